@@ -1,0 +1,2 @@
+//! Embeds the compiled shaders.
+fn main() {}

@@ -1,0 +1,7 @@
+//! lightoven bakes light maps with Vulkan: stochastic rays from every texel of a light map, traced in compute shaders,
+//! progressively refined.
+
+mod error;
+pub mod scene;
+
+pub use error::{Error, ErrorKind, Result};

@@ -1,0 +1,114 @@
+//! Materials and textures.
+
+use super::{MAX_ALBEDO, check_light_quantity};
+use crate::error::{Error, Result};
+use glam::Vec3;
+
+/// Whether a surface answers when seen from behind.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Sidedness {
+    /// Seen from behind it blocks light and is black.
+    #[default]
+    Single,
+    /// Both sides show the same light.
+    Double,
+}
+
+/// What lies beyond a texture's edge.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Wrap {
+    /// The texture again.
+    #[default]
+    Repeat,
+    /// The texture again, every other one mirrored.
+    MirroredRepeat,
+    /// The edge's colour.
+    ClampToEdge,
+}
+
+/// A texture as a material uses it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct TextureUse {
+    /// Position in the scene's list.
+    pub texture: usize,
+    /// Beyond the edge, horizontally and vertically.
+    pub wrap: [Wrap; 2],
+}
+
+/// An image with sRGB encoding.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Texture {
+    /// Shown in messages.
+    pub name: String,
+    /// Columns, at least 1.
+    pub width: u32,
+    /// Rows, at least 1.
+    pub height: u32,
+    /// `[pixel]`, row-major from the top, sRGB-encoded; alpha is not used.
+    pub pixels: Vec<[u8; 4]>,
+}
+
+/// A diffuse, possibly emissive surface.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Material {
+    /// Shown in messages.
+    pub name: String,
+    /// Diffuse albedo, linear Rec. 709, at least 0; over [`MAX_ALBEDO`] it is clamped with a warning.
+    pub albedo: Vec3,
+    /// Multiplied with `albedo`.
+    pub albedo_texture: Option<TextureUse>,
+    /// Emitted radiance, linear Rec. 709, at least 0.
+    pub emission: Vec3,
+    /// Multiplied with `emission`.
+    pub emission_texture: Option<TextureUse>,
+    /// Whether it answers when seen from behind.
+    pub sidedness: Sidedness,
+}
+
+impl Material {
+    /// Whether any part of it shines.
+    pub fn is_emissive(&self) -> bool {
+        self.emission.max_element() > 0.0
+    }
+
+    pub(super) fn check(&mut self, texture_count: usize, warnings: &mut Vec<String>) -> Result<()> {
+        let name = &self.name;
+        check_light_quantity(|| format!("the emission of material '{name}'"), self.emission)?;
+        for texture in [self.albedo_texture, self.emission_texture].into_iter().flatten() {
+            let index = texture.texture;
+            if index >= texture_count {
+                return Err(Error::scene(format!(
+                    "material '{name}' refers to texture {index}; the scene has {texture_count}"
+                )));
+            }
+        }
+        if !(self.albedo.min_element() >= 0.0) && !self.albedo.is_nan() {
+            let albedo = self.albedo;
+            return Err(Error::scene(format!("the albedo of material '{name}' is {albedo}; allowed is at least 0")));
+        }
+        if !(self.albedo.max_element() <= MAX_ALBEDO) || self.albedo.is_nan() {
+            let albedo = self.albedo;
+            let clamp = |c: f32| if c <= MAX_ALBEDO { c } else { MAX_ALBEDO };
+            self.albedo = Vec3::new(clamp(albedo.x), clamp(albedo.y), clamp(albedo.z));
+            // A white texture's factor of 1 is glTF's default and nothing to warn of: the product is clamped on the device.
+            if self.albedo_texture.is_none() {
+                warnings.push(format!("the albedo of material '{name}', {albedo}, is clamped to {MAX_ALBEDO}"));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Texture {
+    pub(super) fn check(&self) -> Result<()> {
+        let Self { name, width, height, pixels } = self;
+        let expected = *width as usize * *height as usize;
+        if expected > 0 && pixels.len() == expected {
+            return Ok(());
+        }
+        let found = pixels.len();
+        Err(Error::scene(format!(
+            "texture '{name}' is {width} x {height} with {found} pixels; allowed is width x height of them, at least 1"
+        )))
+    }
+}
