@@ -2,6 +2,7 @@
 //! progressively refined.
 
 mod error;
+pub mod io;
 pub mod scene;
 
 pub use error::{Error, ErrorKind, Result};

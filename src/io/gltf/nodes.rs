@@ -1,0 +1,80 @@
+//! The node hierarchy, flattened.
+
+use super::names;
+use crate::error::{Error, Result};
+use glam::{DAffine3, DMat3, DQuat, DVec3};
+use gltf::scene::Transform;
+use gltf::{Document, Node};
+
+/// Rounding allowed in the last row of a node's matrix.
+const AFFINE_SLACK: f32 = 1e-5;
+
+/// A node and where it is.
+pub(super) struct Placed<'a> {
+    pub(super) node: Node<'a>,
+    /// Node to world.
+    pub(super) transform: DAffine3,
+}
+
+/// All nodes of the scene to be baked, parents before children, otherwise in the document's order.
+pub(super) fn place(document: &Document) -> Result<Vec<Placed<'_>>> {
+    let nodes: Vec<Node<'_>> = document.nodes().collect();
+    let mut placed = Vec::new();
+    let mut seen = vec![false; nodes.len()];
+    // A stack of our own: a hierarchy may be deeper than the thread's.
+    let mut pending: Vec<(usize, DAffine3)> = roots(document).into_iter().map(|r| (r, DAffine3::IDENTITY)).collect();
+    pending.reverse();
+    while let Some((index, parent)) = pending.pop() {
+        let node = &nodes[index];
+        if std::mem::replace(&mut seen[index], true) {
+            return Err(Error::scene(format!(
+                "node {index} ('{}') is reached twice: it has two parents or is its own ancestor; allowed is a tree",
+                names::of_node(node)
+            )));
+        }
+        let transform = parent * local(node)?;
+        let first_child = pending.len();
+        pending.extend(node.children().map(|child| (child.index(), transform)));
+        pending[first_child..].reverse();
+        placed.push(Placed { node: node.clone(), transform });
+    }
+    Ok(placed)
+}
+
+/// The root nodes of the default scene, else of the first one, else of the whole document.
+fn roots(document: &Document) -> Vec<usize> {
+    if let Some(scene) = document.default_scene().or_else(|| document.scenes().next()) {
+        return scene.nodes().map(|node| node.index()).collect();
+    }
+    let mut is_root = vec![true; document.nodes().len()];
+    for child in document.nodes().flat_map(|node| node.children()) {
+        is_root[child.index()] = false;
+    }
+    (0..is_root.len()).filter(|index| is_root[*index]).collect()
+}
+
+/// Node to parent.
+fn local(node: &Node<'_>) -> Result<DAffine3> {
+    match node.transform() {
+        Transform::Decomposed { translation, rotation, scale } => {
+            let [x, y, z, w] = rotation.map(f64::from);
+            Ok(DAffine3::from_scale_rotation_translation(
+                DVec3::from(scale.map(f64::from)),
+                DQuat::from_xyzw(x, y, z, w).normalize(),
+                DVec3::from(translation.map(f64::from)),
+            ))
+        }
+        Transform::Matrix { matrix } => {
+            let last_row = matrix.map(|column| column[3]);
+            if last_row.iter().zip([0.0, 0.0, 0.0, 1.0]).any(|(found, wanted)| (found - wanted).abs() > AFFINE_SLACK) {
+                return Err(Error::scene(format!(
+                    "node {} ('{}'): the last row of its matrix is {last_row:?}; allowed is 0, 0, 0, 1",
+                    node.index(),
+                    names::of_node(node)
+                )));
+            }
+            let [x, y, z, t] = matrix.map(|[x, y, z, _]| DVec3::from([x, y, z].map(f64::from)));
+            Ok(DAffine3 { matrix3: DMat3::from_cols(x, y, z), translation: t })
+        }
+    }
+}
