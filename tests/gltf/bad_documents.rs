@@ -30,13 +30,9 @@ fn indices_into_lists() {
 
 #[test]
 fn views_outside_their_buffer() {
-    for value in [json!(1), json!(200), json!(u64::MAX), json!(u64::MAX - 40)] {
-        let builder = with("/bufferViews/0/byteOffset", value.clone());
-        if value == 1 {
-            // Still inside: the accessor is what reaches no further than its view.
-            continue;
-        }
-        assert_invalid(&builder, &["buffer view 0", &value.to_string(), "buffer 0"]);
+    for offset in [200, u64::MAX, u64::MAX - 40] {
+        let builder = with("/bufferViews/0/byteOffset", json!(offset));
+        assert_invalid(&builder, &["buffer view 0", &offset.to_string(), "buffer 0"]);
     }
     assert_invalid(&with("/bufferViews/2/byteLength", json!(4000)), &["buffer view 2", "4000", "buffer 0"]);
 }

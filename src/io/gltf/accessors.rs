@@ -7,7 +7,7 @@ use gltf::accessor::sparse::{IndexType, Sparse};
 use gltf::accessor::{DataType, Dimensions};
 
 /// Numbers read from one file at most, over all accessors and each use: a small file that says otherwise is a trap.
-const MAX_NUMBERS: usize = 1 << 29;
+const MAX_NUMBERS: usize = 1 << 28;
 
 /// Reads accessors and counts what it has read.
 pub(super) struct Accessors<'a> {
