@@ -122,7 +122,7 @@ fn ordered(node: &Node, second_first: bool) -> (u32, u32) {
 
 impl InstanceRecord {
     /// The direction is not normalised: distances stay those of the world.
-    fn to_object(&self, ray: &Ray) -> LocalRay {
+    pub(super) fn to_object(&self, ray: &Ray) -> LocalRay {
         let rows = self.world_to_object;
         let along = |row: [f32; 4], v: Vec3| row[0] * v.x + row[1] * v.y + row[2] * v.z;
         let origin = Vec3::from(rows.map(|row| along(row, ray.origin) + row[3]));
