@@ -36,6 +36,9 @@ pub struct Hit {
     pub front_face: bool,
 }
 
+/// The bits of a leaf's code that hold its first primitive or its instance.
+const FIRST_MASK: u32 = (1 << FIRST_BITS) - 1;
+
 /// No instance: the ray is in the top level.
 const NO_INSTANCE: u32 = u32::MAX;
 
@@ -80,23 +83,17 @@ impl Bvh {
                     continue;
                 }
             } else if instance == NO_INSTANCE {
-                instance = current & ((1 << FIRST_BITS) - 1);
+                instance = current & FIRST_MASK;
                 let record = &self.instances[instance as usize];
-                local = record.to_object(ray);
+                local = record.object_ray(ray);
                 base = sp;
                 current = record.root;
                 continue;
             } else {
-                let first = current & ((1 << FIRST_BITS) - 1);
-                let count = ((current & !LEAF) >> FIRST_BITS) + 1;
-                for primitive in first..first + count {
-                    let found = local.test_triangle(&self.triangles[primitive as usize], ray.t_min, t_hit);
-                    let Some((t, u, v, front_face)) = found else { continue };
-                    if skip == Some((instance, primitive)) {
-                        continue;
-                    }
-                    t_hit = t;
-                    hit = Some(Hit { t, instance, primitive, u, v, front_face });
+                let found = self.test_leaf(&local, current, instance, ray.t_min, t_hit, skip);
+                if let Some(found) = found {
+                    t_hit = found.t;
+                    hit = Some(found);
                     if ANY {
                         return hit;
                     }
@@ -114,6 +111,30 @@ impl Bvh {
             current = stack[sp];
         }
     }
+
+    /// The closest hit in a leaf of a bottom level.
+    fn test_leaf(
+        &self,
+        local: &LocalRay,
+        code: u32,
+        instance: u32,
+        t_min: f32,
+        mut t_hit: f32,
+        skip: Option<(u32, u32)>,
+    ) -> Option<Hit> {
+        let mut hit = None;
+        let first = code & FIRST_MASK;
+        let count = ((code & !LEAF) >> FIRST_BITS) + 1;
+        for primitive in first..first + count {
+            let found = local.test_triangle(&self.triangles[primitive as usize], t_min, t_hit);
+            let Some((t, u, v, front_face)) = found else { continue };
+            if skip != Some((instance, primitive)) {
+                t_hit = t;
+                hit = Some(Hit { t, instance, primitive, u, v, front_face });
+            }
+        }
+        hit
+    }
 }
 
 fn ordered(node: &Node, second_first: bool) -> (u32, u32) {
@@ -122,7 +143,7 @@ fn ordered(node: &Node, second_first: bool) -> (u32, u32) {
 
 impl InstanceRecord {
     /// The direction is not normalised: distances stay those of the world.
-    pub(super) fn to_object(&self, ray: &Ray) -> LocalRay {
+    pub(super) fn object_ray(&self, ray: &Ray) -> LocalRay {
         let rows = self.world_to_object;
         let along = |row: [f32; 4], v: Vec3| row[0] * v.x + row[1] * v.y + row[2] * v.z;
         let origin = Vec3::from(rows.map(|row| along(row, ray.origin) + row[3]));

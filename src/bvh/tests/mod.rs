@@ -62,10 +62,13 @@ fn validate(bvh: &Bvh, scene: &Scene) {
     assert!((1..=MAX_STACK_SIZE as u32).contains(&bvh.stack_size));
 }
 
+/// Gets a leaf's first, its count, and whether a point lies in all boxes above it.
+type Leaf<'a> = dyn FnMut(u32, u32, &dyn Fn(Vec3) -> bool) + 'a;
+
 struct Walk<'a> {
     bvh: &'a Bvh,
     visited: &'a mut [u32],
-    leaf: &'a mut dyn FnMut(u32, u32, &dyn Fn(Vec3) -> bool),
+    leaf: &'a mut Leaf<'a>,
 }
 
 impl Walk<'_> {

@@ -43,7 +43,7 @@ pub(super) fn soup(random: &mut Random, count: usize) -> Soup {
     let triangle = |index: usize| {
         let (a, size) = (random.point(2.0), 2.0 * random.unit() * random.unit());
         let (b, c) = (a + random.point(size), a + random.point(size));
-        if index % 5 == 0 { [a, b, b.lerp(a, 0.5) + random.point(1e-6)] } else { [a, b, c] }
+        if index.is_multiple_of(5) { [a, b, b.lerp(a, 0.5) + random.point(1e-6)] } else { [a, b, c] }
     };
     (0..count).map(triangle).collect()
 }
@@ -115,7 +115,7 @@ pub(super) fn brute_force(bvh: &Bvh, ray: &Ray, skip: Option<(u32, u32)>) -> Opt
             continue;
         };
         let local = match bvh.top_root {
-            Some(_) => record.to_object(ray),
+            Some(_) => record.object_ray(ray),
             None => LocalRay::new(ray.origin, ray.direction),
         };
         for primitive in (range.first_primitive..range.first_primitive + range.count)
