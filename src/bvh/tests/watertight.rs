@@ -65,3 +65,18 @@ fn stretched_and_mirrored_instances_do_not_leak() {
     let targets: Soup = ball.iter().map(|corners| corners.map(to_world)).collect();
     assert_eq!(leaks(&bvh, &targets, 200_000, |random| to_world(random.point(0.5))), 0);
 }
+
+#[test]
+fn tiny_and_huge_scenes_do_not_leak() {
+    let ball = sphere(4);
+    for scale in [1e-6, 1e6] {
+        let grown = DAffine3::from_scale(DVec3::splat(scale));
+        let beside = DAffine3 { translation: DVec3::X * scale * 3.0, ..grown };
+        for placed in [vec![(0, grown)], vec![(0, grown), (0, beside)]] {
+            let bvh = bvh_of(&scene(std::slice::from_ref(&ball), &placed));
+            let to_world = |p: Vec3| (p.as_dvec3() * scale - bvh.centre).as_vec3();
+            let targets: Soup = ball.iter().map(|corners| corners.map(to_world)).collect();
+            assert_eq!(leaks(&bvh, &targets, 50_000, |random| to_world(random.point(0.5))), 0, "scale {scale}");
+        }
+    }
+}
