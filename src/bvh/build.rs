@@ -16,8 +16,8 @@ const MAX_REPEATS: usize = 32;
 const MAX_DEPTH: u32 = super::MAX_STACK_SIZE as u32 / 2;
 
 /// Share of the nodes that reinsertion tries to place better, as in obvhs's slow preset but for the pre-split, which
-/// would put a triangle into several leaves. All of them, 1.0, bring 3 to 5 % more rays a second on two game levels of 8 k and
-/// 14 k triangles and double the time to build.
+/// would put a triangle into several leaves. All of them, 1.0, bring 3 to 5 % more rays a second on two game levels of
+/// 8 k and 14 k triangles and double the time to build.
 const REINSERTION_RATIO: f32 = 0.2;
 
 /// Cost of a node in triangle tests when leaves are merged, as in obvhs's presets: the fewest nodes. From 0.5 to

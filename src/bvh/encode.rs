@@ -12,10 +12,10 @@ const UNIT_ROUNDOFF: f64 = 1.0 / (1 << 24) as f64;
 /// Boxes are made larger by this many unit roundoffs of the largest coordinate L that a plane or an origin has in their
 /// space.
 ///
-/// The slab distance is fma(plane, inv_dir, -(origin * inv_dir)). The rounding of the product moves the plane by
-/// at most u|origin| <= uL; without a fused operation the other product adds u|plane| <= uL; rounding the box outward
-/// itself costs another uL. What is left, the rounding of inv_dir (2u where the reciprocal is good to one ulp) and of the
-/// result (u), is relative to the distance, 6u between two axes, and lies within the 6.7u of [`super::TFAR_SCALE`].
+/// The slab distance is fma(plane, inv_dir, -(origin * inv_dir)). The rounding of the product moves the plane by at
+/// most u|origin| <= uL; without a fused operation the other product adds u|plane| <= uL; rounding the box outward
+/// itself costs another uL. What is left, the rounding of inv_dir (2u where the reciprocal is good to one ulp) and of
+/// the result (u), is relative to the distance, 6u between two axes, and lies within the 6.7u of [`super::TFAR_SCALE`].
 /// One uL is spare: for origins that lie outside the bounds, by at most as much again.
 const BOX_PAD: f64 = 4.0;
 
@@ -82,7 +82,7 @@ pub(super) fn check_reach(what: impl Fn() -> String, reach: f64) -> Result<()> {
         return Ok(());
     }
     Err(Error::scene(format!(
-        "{} reaches the coordinate {reach:e} relative to the middle of the scene; allowed is at most {MAX_COORDINATE:e}",
+        "{} reaches the coordinate {reach:e}, the middle of the scene being 0; allowed is at most {MAX_COORDINATE:e}",
         what()
     )))
 }

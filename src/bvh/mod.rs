@@ -1,11 +1,12 @@
 //! A bounding volume hierarchy over the scene, built on the host and traversed on the device.
 //!
-//! Two levels: a top level over instances, in world space relative to [`Scene::centre`], and below it one bottom level for
-//! each mesh that is placed, in object space. A scene of exactly one instance has no top level; its mesh is transformed
-//! to world space here, in f64.
+//! Two levels: a top level over instances, in world space relative to [`Scene::centre`], and below it one bottom level
+//! for each mesh that is placed, in object space. A scene of exactly one instance has no top level; its mesh is
+//! transformed to world space here, in f64.
 //!
-//! From here on "primitive" is a triangle's slot in [`Bvh::triangles`], which is the order of the leaves; [`Bvh::order`]
-//! leads back to the mesh's own order. The traversal in `traverse.rs` reads the same arrays as the shader, and is its oracle.
+//! From here on "primitive" is a triangle's slot in [`Bvh::triangles`], which is the order of the leaves;
+//! [`Bvh::order`] leads back to the mesh's own order. The traversal in `traverse.rs` reads the same arrays as the
+//! shader, and is its oracle.
 
 mod build;
 mod encode;
@@ -37,15 +38,15 @@ pub const MIN_DIRECTION: f32 = 1e-30;
 pub const MAX_COORDINATE: f64 = 1e8;
 
 const MAX_LEAF_SIZE: u32 = 4;
-/// Both corners of the box of an empty child: a point that no ray reaches. (The box test does not tell lo from hi, so that
-/// an inverted box would be hit by every ray.)
+/// Both corners of the box of an empty child: a point that no ray reaches. (The box test does not tell lo from hi, so
+/// that an inverted box would be hit by every ray.)
 const EMPTY: [f32; 3] = [1e30; 3];
 
 /// An inner node: the boxes and codes of both children.
 ///
 /// A code is the index of a node, or for a leaf [`LEAF`] | (count - 1) << [`FIRST_BITS`] | first, where first is a
-/// primitive in a bottom level and an instance in the top level. The root over a single leaf repeats the leaf's code under
-/// a box that no ray reaches.
+/// primitive in a bottom level and an instance in the top level. The root over a single leaf repeats the leaf's code
+/// under a box that no ray reaches.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 #[expect(missing_docs, reason = "lo and hi are the corners of a child's box")]
@@ -119,12 +120,13 @@ pub struct Bvh {
     pub meshes: Vec<MeshRange>,
     /// Root of the top level; `None`: rays start in node 0, the root of the only bottom level, as instance 0.
     pub top_root: Option<u32>,
-    /// Entries of the traversal's stack in the worst case, both levels together; at least 1, at most [`MAX_STACK_SIZE`].
+    /// Entries of the traversal's stack in the worst case, both levels together; at least 1, at most
+    /// [`MAX_STACK_SIZE`].
     pub stack_size: u32,
     /// The point of the scene's world that is the origin here.
     pub centre: DVec3,
-    /// `Some`: the scene's only instance was transformed to world space by this (relative to `centre`), its record holds
-    /// the identity, and normals and the like are the caller's to transform. See also [`Bvh::corners`].
+    /// `Some`: the scene's only instance was transformed to world space by this (relative to `centre`), its record
+    /// holds the identity, and normals and the like are the caller's to transform. See also [`Bvh::corners`].
     pub baked_transform: Option<DAffine3>,
     /// `[mesh]`; `None` for one without triangles or instances.
     levels: Vec<Option<BottomLevel>>,
@@ -189,9 +191,9 @@ impl Bvh {
     /// the top level change, which lie behind all others; their number stays the same, `stack_size` may not.
     ///
     /// # Errors
-    /// `InvalidSettings`, nothing being changed: another number of transforms than instances; a transform that is singular
-    /// or not finite. `Unsupported`: the scene has no top level, or an object moved so far away or became so small beside
-    /// the scene that its boxes are no longer wide enough for rounding; the scene is to be built anew.
+    /// `InvalidSettings`, nothing being changed: another number of transforms than instances; a transform that is
+    /// singular or not finite. `Unsupported`: the scene has no top level, or an object moved so far away or became so
+    /// small beside the scene that its boxes are no longer wide enough for rounding; the scene is to be built anew.
     pub fn rebuild_top_level(&mut self, transforms: &[DAffine3]) -> Result<()> {
         let fail = |what: String| Err(Error::settings(what));
         if transforms.len() != self.instances.len() {
@@ -223,8 +225,8 @@ impl Bvh {
         self.top_root.unwrap_or(0)
     }
 
-    /// Which corner of the mesh's triangle each corner of its [`Triangle`] is. A mirrored instance that was transformed to
-    /// world space has two corners swapped, so that its front stays its front.
+    /// Which corner of the mesh's triangle each corner of its [`Triangle`] is. A mirrored instance that was transformed
+    /// to world space has two corners swapped, so that its front stays its front.
     pub fn corners(&self) -> [usize; 3] {
         match self.baked_transform {
             Some(transform) if transform.matrix3.determinant() < 0.0 => [0, 2, 1],
@@ -341,7 +343,8 @@ fn sources<'a>(scene: &'a Scene, mesh_of: &[usize], baked: Option<&DAffine3>) ->
     Ok(used.into_iter().map(|mesh| mesh.map(|mesh| Source::new(mesh, baked))).collect())
 }
 
-/// The limit of a leaf's code. Fewer than 2^31 nodes follow from it: there are fewer than triangles, meshes and instances.
+/// The limit of a leaf's code. Fewer than 2^31 nodes follow from it: there are fewer than triangles, meshes and
+/// instances.
 fn check_count(what: &str, count: usize) -> Result<()> {
     if count <= 1 << FIRST_BITS {
         return Ok(());

@@ -29,8 +29,8 @@ pub struct Hit {
     pub u: f32,
     /// Barycentric weight of corner 2.
     pub v: f32,
-    /// Whether the corners are counter-clockwise seen from the ray's origin, in object space: a mirrored object shows the
-    /// same side to the outside as the object itself. It is what Vulkan's ray query says of an instance that has
+    /// Whether the corners are counter-clockwise seen from the ray's origin, in object space: a mirrored object shows
+    /// the same side to the outside as the object itself. It is what Vulkan's ray query says of an instance that has
     /// `TRIANGLE_FRONT_COUNTERCLOCKWISE` set; facing is determined in object space there, and the transform does not
     /// change it.
     pub front_face: bool,
@@ -158,8 +158,8 @@ pub(super) struct LocalRay {
     inv_dir: Vec3A,
     /// origin * inv_dir
     origin_inv_dir: Vec3A,
-    /// Shear and scale of Woop, Benthin, Wald, Watertight Ray/Triangle Intersection, JCGT 2013, as rows: the ray becomes
-    /// the z axis. Entries are 1, 0 and -d\[k\] / d\[kz\].
+    /// Shear and scale of Woop, Benthin, Wald, Watertight Ray/Triangle Intersection, JCGT 2013, as rows: the ray
+    /// becomes the z axis. Entries are 1, 0 and -d\[k\] / d\[kz\].
     row_x: Vec3A,
     row_y: Vec3A,
     row_z: Vec3A,
@@ -213,8 +213,8 @@ impl LocalRay {
         if !(det != 0.0 && t > t_min && t < t_hit) {
             return None;
         }
-        // x, y, z are a right-handed frame. Seen along +z, a triangle that is counter-clockwise has a negative signed area
-        // in it; det is minus twice the signed area. Seen along -z both change their sign.
+        // x, y, z are a right-handed frame. Seen along +z, a triangle that is counter-clockwise has a negative signed
+        // area in it; det is minus twice the signed area. Seen along -z both change their sign.
         let along_z = self.row_z.element_sum() > 0.0;
         Some((t, v / det, w / det, (det > 0.0) == along_z))
     }

@@ -6,6 +6,7 @@ mod watertight;
 use super::*;
 use glam::{DMat3, DQuat};
 use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
 use support::*;
 
 /// Everything that the encoding promises.
@@ -105,8 +106,13 @@ fn transforms(random: &mut Random, count: usize) -> Vec<DAffine3> {
     (0..count).map(|index| one(random, index)).collect()
 }
 
+/// The same cases in every run.
+fn fixed(cases: u32) -> ProptestConfig {
+    ProptestConfig { cases, failure_persistence: None, rng_seed: RngSeed::Fixed(7), ..ProptestConfig::default() }
+}
+
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 24, failure_persistence: None, rng_seed: proptest::test_runner::RngSeed::Fixed(7), ..ProptestConfig::default() })]
+    #![proptest_config(fixed(24))]
     #[test]
     fn soups_are_traced_as_by_brute_force(seed: u64, count in 1usize..600, instances in 1usize..7) {
         let mut random = Random(seed);
