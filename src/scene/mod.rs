@@ -119,6 +119,17 @@ impl Scene {
         &self.sky
     }
 
+    /// Replaces the sky: file formats for scenes rarely carry one.
+    ///
+    /// # Errors
+    /// `InvalidScene` for a radiance that is negative or not finite, or a map with a wrong number of pixels; the scene
+    /// keeps its sky.
+    pub fn set_sky(&mut self, sky: Sky) -> Result<()> {
+        sky.check()?;
+        self.sky = sky;
+        Ok(())
+    }
+
     /// What was dropped, clamped or left out when the scene was checked, one sentence each.
     pub fn warnings(&self) -> &[String] {
         &self.warnings

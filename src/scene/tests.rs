@@ -95,7 +95,7 @@ fn one_instance_keeps_its_atlas_and_two_are_packed() {
 fn overlaps_within_an_instance_are_counted() {
     let scene = scene_of(vec![quad(), quad()], &[DAffine3::IDENTITY]).expect("is valid");
     let atlas = Atlas::new(&scene, Resolution::Texels(16)).expect("fits");
-    assert_eq!(atlas.overlapping_texels, 256);
+    assert_eq!((atlas.covered_texels, atlas.overlapping_texels), (256, 256));
 }
 
 #[test]
@@ -106,4 +106,13 @@ fn resolutions_outside_the_range_are_rejected() {
         assert!(error.contains(&side.to_string()) && error.contains("1 to 16384"), "{error}");
     }
     assert!(Atlas::new(&scene, Resolution::PerUnit(f32::NAN)).is_err());
+}
+
+#[test]
+fn a_bad_sky_is_rejected_and_the_old_one_stays() {
+    let mut scene = scene_of(vec![quad()], &[DAffine3::IDENTITY]).expect("is valid");
+    scene.set_sky(Sky::Constant(Vec3::ONE)).expect("is valid");
+    let error = scene.set_sky(Sky::Constant(Vec3::NEG_ONE)).expect_err("must be rejected").to_string();
+    assert!(error.contains("the sky's radiance"), "{error}");
+    assert_eq!(*scene.sky(), Sky::Constant(Vec3::ONE));
 }

@@ -38,6 +38,8 @@ pub struct Atlas {
     pub rects: Vec<AtlasRect>,
     /// Whether the instances' own coordinates already made up one atlas, which is then used as it is.
     pub shared: bool,
+    /// Texels whose centre a surface covers. The bake also fills those that a surface only touches.
+    pub covered_texels: usize,
     /// Texels whose centre is covered more than once: their light is that of one of the surfaces.
     pub overlapping_texels: usize,
 }
@@ -70,28 +72,30 @@ impl Atlas {
             Resolution::PerUnit(density) => shared_side(scene, density)?,
         };
         let full = AtlasRect { scale: Vec2::splat(side as f32), offset: Vec2::ZERO };
-        let shared =
-            Self { size: UVec2::splat(side), rects: vec![full; instances.len()], shared: true, overlapping_texels: 0 };
-        let coverage = shared.coverage(scene);
+        let (size, rects) = (UVec2::splat(side), vec![full; instances.len()]);
+        let coverage = measure(scene, size, &rects);
         if coverage.between_instances as f64 <= SHARED_OVERLAP * coverage.covered as f64 {
-            let overlapping_texels = coverage.between_instances + coverage.within_instance;
-            return Ok(Self { overlapping_texels, ..shared });
+            return Ok(Self::laid_out(size, rects, true, &coverage));
         }
         let (size, rects) = pack::pack(scene, resolution)?;
-        let packed = Self { size, rects, shared: false, overlapping_texels: 0 };
-        let coverage = packed.coverage(scene);
-        Ok(Self { overlapping_texels: coverage.between_instances + coverage.within_instance, ..packed })
+        let coverage = measure(scene, size, &rects);
+        Ok(Self::laid_out(size, rects, false, &coverage))
     }
 
-    fn coverage(&self, scene: &Scene) -> Coverage {
-        let mut coverage = Coverage::new(self.size);
-        for (index, (instance, rect)) in scene.instances().iter().zip(&self.rects).enumerate() {
-            for uvs in mesh_of(scene, instance).light_map_uvs().iter().flatten() {
-                coverage.add(index as u32, uvs.map(|uv| uv * rect.scale + rect.offset));
-            }
-        }
-        coverage
+    fn laid_out(size: UVec2, rects: Vec<AtlasRect>, shared: bool, coverage: &Coverage) -> Self {
+        let overlapping_texels = coverage.between_instances + coverage.within_instance;
+        Self { size, rects, shared, covered_texels: coverage.covered, overlapping_texels }
     }
+}
+
+fn measure(scene: &Scene, size: UVec2, rects: &[AtlasRect]) -> Coverage {
+    let mut coverage = Coverage::new(size);
+    for (index, (instance, rect)) in scene.instances().iter().zip(rects).enumerate() {
+        for uvs in mesh_of(scene, instance).light_map_uvs().iter().flatten() {
+            coverage.add(index as u32, uvs.map(|uv| uv * rect.scale + rect.offset));
+        }
+    }
+    coverage
 }
 
 fn check(resolution: Resolution) -> Result<()> {
