@@ -112,3 +112,30 @@ impl Texture {
         )))
     }
 }
+
+impl Texture {
+    /// The linear colour of the pixel at a texture coordinate.
+    pub(crate) fn linear(&self, wrap: [Wrap; 2], uv: glam::Vec2) -> Vec3 {
+        let x = wrap[0].pixel(uv.x, self.width);
+        let y = wrap[1].pixel(uv.y, self.height);
+        let [r, g, b, _] = self.pixels[y * self.width as usize + x];
+        Vec3::new(linear_of_srgb(r), linear_of_srgb(g), linear_of_srgb(b))
+    }
+}
+
+impl Wrap {
+    fn pixel(self, coordinate: f32, size: u32) -> usize {
+        let inside = match self {
+            Self::Repeat => coordinate.rem_euclid(1.0),
+            Self::MirroredRepeat => 1.0 - (coordinate.rem_euclid(2.0) - 1.0).abs(),
+            Self::ClampToEdge => coordinate,
+        };
+        (inside * size as f32).clamp(0.0, size as f32 - 1.0) as usize
+    }
+}
+
+/// IEC 61966-2-1.
+fn linear_of_srgb(value: u8) -> f32 {
+    let v = f32::from(value) / 255.0;
+    if v <= 0.04045 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }
+}
