@@ -1,0 +1,83 @@
+#version 460
+// Gathers light: rays from every texel, whose hits read the source map. In the words of Wizard: a ray is emitted with a
+// weight, its hit or miss adds weight times radiance, and the accumulator averages; a ray never spawns another.
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_samplerless_texture_functions : require
+#include "include/rays.glsl"
+#include "include/random.glsl"
+#include "include/sampling.glsl"
+#include "include/texels.glsl"
+#include "include/sky.glsl"
+
+layout(set = 0, binding = 9, r32ui) readonly uniform uimage2D footprint_image;
+layout(set = 0, binding = 10) uniform texture2D source_map;
+// Mean irradiance of the even and of the odd quanta, and how many samples each holds.
+layout(set = 0, binding = 11, rgba32f) uniform image2D mean_even;
+layout(set = 0, binding = 12, rgba32f) uniform image2D mean_odd;
+
+const uint FOOTPRINT_TRIES = 4u;
+
+// A point of the texel that lies on its triangle and on the near side of every wall.
+vec2 choose_point(Surface s, vec4 sides, uint texel, uint sample_index, vec2 u) {
+    for (uint attempt = 1u; attempt <= FOOTPRINT_TRIES; ++attempt) {
+        vec2 p = mix(sides.xy, sides.zw, u);
+        if (on_triangle(s, p)) return p;
+        u = random4(texel, sample_index, attempt).xy;
+    }
+    return s.centre;
+}
+
+vec3 on_hit(Hit hit) {
+    uint flags = primitives[hit.primitive].flags;
+    if (SINGLE_SIDED && !hit.front_face && (flags & PRIMITIVE_DOUBLE_SIDED) == 0u) return vec3(0.0);
+    if (UNMAPPED && (flags & PRIMITIVE_MAPPED) == 0u) return materials[primitives[hit.primitive].material].emission;
+    vec2 t0 = corner_texel(hit.instance, hit.primitive, 0u);
+    vec2 t1 = corner_texel(hit.instance, hit.primitive, 1u);
+    vec2 t2 = corner_texel(hit.instance, hit.primitive, 2u);
+    vec2 texel = t0 + (t1 - t0) * hit.barycentrics.x + (t2 - t0) * hit.barycentrics.y;
+    return texelFetch(source_map, clamp(ivec2(texel), ivec2(0), ivec2(push.map_size) - 1), 0).rgb;
+}
+
+vec3 on_miss(vec3 direction) {
+    return sky_radiance(direction);
+}
+
+// Radiance that one cosine-distributed ray sees.
+vec3 emit(Surface s, mat3 frame, vec4 sides, uint texel, uint stratum, uint sample_index) {
+    vec4 u = random4(texel, sample_index, 0u);
+    vec3 direction = frame * cosine_direction(stratified(stratum, push.strata_side, u.xy));
+    // Under the triangle, where only the shading normal looks: nothing comes from there.
+    if (dot(direction, s.geometric_normal) <= 0.0) return vec3(0.0);
+    vec3 point = point_at(s, choose_point(s, sides, texel, sample_index, u.zw));
+    Hit hit = trace_closest(ray_from(s, point, direction, 1e30));
+    return hit.committed ? on_hit(hit) : on_miss(direction);
+}
+
+// Merges a quantum's mean into the running one: no sum that outgrows its addends.
+void accumulate(inout vec4 mean, vec3 quantum_mean, float samples) {
+    mean.w += samples;
+    mean.rgb += (quantum_mean - mean.rgb) * (samples / mean.w);
+}
+
+void main() {
+    uvec2 texel;
+    if (!texel_of_invocation(texel)) return;
+    Surface s = surface_of(texel, imageLoad(surface_image, ivec2(texel)));
+    vec4 sides = unpack_footprint(imageLoad(footprint_image, ivec2(texel)).x);
+    mat3 frame = frame_of(s.normal);
+    uint key = texel.x | texel.y << 16u;
+    vec4 even = imageLoad(mean_even, ivec2(texel));
+    vec4 odd = imageLoad(mean_odd, ivec2(texel));
+    uint samples = push.strata_side * push.strata_side;
+    for (uint quantum = push.first_quantum; quantum < push.first_quantum + push.quantum_count; ++quantum) {
+        uint first = push.first_sample + quantum * samples;
+        vec3 sum = vec3(0.0);
+        for (uint i = 0u; i < samples; ++i) sum += emit(s, frame, sides, key, i, first + i);
+        // A cosine-distributed ray weighs pi.
+        vec3 quantum_mean = sum * (PI / float(samples));
+        if ((quantum & 1u) == 0u) accumulate(even, quantum_mean, float(samples));
+        else accumulate(odd, quantum_mean, float(samples));
+    }
+    imageStore(mean_even, ivec2(texel), even);
+    imageStore(mean_odd, ivec2(texel), odd);
+}

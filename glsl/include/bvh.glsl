@@ -1,0 +1,77 @@
+// Traversal of the host-built hierarchy; src/bvh/traverse.rs is its twin on the host.
+#ifndef BVH_GLSL
+#define BVH_GLSL
+
+#include "scene.glsl"
+
+layout(set = 0, binding = 0, std430) readonly buffer Nodes { Node nodes[]; };
+
+const uint LEAF = 0x80000000u;
+const uint LEAF_FIRST = 0x03ffffffu;
+
+// What traversal knows of a ray in the space of the level it is in.
+struct Slope {
+    vec3 origin;
+    vec3 inverse;         // of the direction
+    vec3 origin_inverse;  // origin * inverse
+    vec3 row_x;           // shear of Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013,
+    vec3 row_y;           // as rows, so that no component is chosen at run time
+    vec3 row_z;
+};
+
+Slope slope_of(vec3 origin, vec3 direction) {
+    Slope s;
+    s.origin = origin;
+    // A zero component counts as a tiny one: 1/0 would bring NaN where the origin lies in a slab's plane.
+    vec3 away = mix(vec3(-1e-20), vec3(1e-20), greaterThanEqual(direction, vec3(0.0)));
+    s.inverse = 1.0 / mix(direction, away, lessThan(abs(direction), vec3(1e-20)));
+    s.origin_inverse = origin * s.inverse;
+    vec3 d = abs(direction);
+    bool z = d.z >= d.x && d.z >= d.y;
+    bool y = !z && d.y >= d.x;
+    vec3 axis = z ? vec3(0, 0, 1) : y ? vec3(0, 1, 0) : vec3(1, 0, 0);
+    vec3 next = z ? vec3(1, 0, 0) : y ? vec3(0, 0, 1) : vec3(0, 1, 0);
+    vec3 last = z ? vec3(0, 1, 0) : y ? vec3(1, 0, 0) : vec3(0, 0, 1);
+    float scale = 1.0 / dot(axis, direction);
+    s.row_x = next - axis * (dot(next, direction) * scale);
+    s.row_y = last - axis * (dot(last, direction) * scale);
+    s.row_z = axis * scale;
+    return s;
+}
+
+struct Candidate {
+    bool hit;
+    float t;
+    vec2 barycentrics;
+    bool front_face;
+};
+
+// Hits between t_min and t_max, both left out. No branches; edge functions are exactly antisymmetric in their corners,
+// so that a ray through a shared edge always hits one of the two triangles.
+Candidate intersect_triangle(Slope s, uint primitive, float t_min, float t_max) {
+    vec3 a = triangles[primitive].corners[0].xyz - s.origin;
+    vec3 b = triangles[primitive].corners[1].xyz - s.origin;
+    vec3 c = triangles[primitive].corners[2].xyz - s.origin;
+    precise vec2 pa = vec2(dot(s.row_x, a), dot(s.row_y, a));
+    precise vec2 pb = vec2(dot(s.row_x, b), dot(s.row_y, b));
+    precise vec2 pc = vec2(dot(s.row_x, c), dot(s.row_y, c));
+    precise float u = pc.x * pb.y - pc.y * pb.x;
+    precise float v = pa.x * pc.y - pa.y * pc.x;
+    precise float w = pb.x * pa.y - pb.y * pa.x;
+    float lowest = min(u, min(v, w));
+    float highest = max(u, max(v, w));
+    float det = u + v + w;
+    float inverse = 1.0 / det;
+    Candidate hit;
+    hit.t = (u * dot(s.row_z, a) + v * dot(s.row_z, b) + w * dot(s.row_z, c)) * inverse;
+    hit.hit = (lowest >= 0.0 || highest <= 0.0) && det != 0.0 && hit.t > t_min && hit.t < t_max;
+    hit.barycentrics = vec2(v, w) * inverse;
+    // The axes keep their cyclic order, so that only the ray's way along its main axis turns the winding round.
+    hit.front_face = (det > 0.0) == (s.row_z.x + s.row_z.y + s.row_z.z > 0.0);
+    return hit;
+}
+
+// Ize, "Robust BVH Ray Traversal", JCGT 2(2), 2013.
+const float FAR_SLACK = 1.0000004;
+
+#endif

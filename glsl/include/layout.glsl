@@ -1,0 +1,110 @@
+// What host and device share: structs (std430), bindings, specialisation constants, push constants.
+// Written again in Rust (src/gpu/layout.rs, src/bvh); tests/layout.rs compares the two.
+#ifndef LAYOUT_GLSL
+#define LAYOUT_GLSL
+
+// Children's boxes and codes: src/bvh/encode.rs.
+struct Node {
+    vec3 lo0;
+    uint child0;
+    vec3 hi0;
+    uint child1;
+    vec3 lo1;
+    uint pad0;
+    vec3 hi1;
+    uint pad1;
+};
+
+// Object-space corners; w is not used.
+struct Triangle {
+    vec4 corners[3];
+};
+
+// What a hit needs of a triangle. `uvs`: light-map coordinates. `normals`: octahedral, two snorm16.
+struct Primitive {
+    vec2 uvs[3];
+    uint normals[3];
+    uint material;
+    uint flags;
+    uint pad;
+};
+
+struct Material {
+    vec3 albedo;
+    uint pad0;
+    vec3 emission;
+    uint pad1;
+};
+
+// Rows of the transforms. `atlas`: texel = light-map coordinate * xy + zw.
+struct Instance {
+    vec4 object_to_world[3];
+    vec4 world_to_object[3];
+    uint root;
+    uint first_primitive;
+    uint flags;
+    uint pad;
+    vec4 atlas;
+};
+
+// `direction`: the way the light travels. `range`: 0 = none. Cone: saturate(cos * scale + offset)^2.
+struct Light {
+    vec3 position;
+    uint kind;
+    vec3 direction;
+    float range;
+    vec3 intensity;
+    float cone_scale;
+    float cone_offset;
+    uint pad0;
+    uint pad1;
+    uint pad2;
+};
+
+// Texture coordinates of a triangle's corners.
+struct Texcoords {
+    vec2 albedo[3];
+    vec2 emission[3];
+};
+
+const uint PRIMITIVE_MAPPED = 1u;
+const uint PRIMITIVE_DOUBLE_SIDED = 2u;
+
+const uint LIGHT_POINT = 0u;
+const uint LIGHT_SPOT = 1u;
+const uint LIGHT_DIRECTIONAL = 2u;
+
+const float PI = 3.14159265358979;
+
+layout(constant_id = 0) const uint FEATURES = 0xffffffffu;
+layout(constant_id = 1) const uint STACK_SIZE = 64u;
+
+// Bits of FEATURES, in the order of src/features.rs.
+const bool INSTANCES = (FEATURES & 1u) != 0u;      // a top level over more than one mesh placement
+const bool SINGLE_SIDED = (FEATURES & 2u) != 0u;   // some surface is black from behind
+const bool UNMAPPED = (FEATURES & 4u) != 0u;       // some triangle has no place in the light map
+const bool SKY_CONSTANT = (FEATURES & 8u) != 0u;
+const bool SKY_MAP = (FEATURES & 16u) != 0u;
+const bool LIGHTS = (FEATURES & 32u) != 0u;
+const bool TEXTURES = (FEATURES & 64u) != 0u;
+
+layout(push_constant, std430) uniform Push {
+    uvec2 map_size;       // texels
+    uint first_texel;     // in the list of texels
+    uint texel_count;
+    uint first_quantum;
+    uint quantum_count;
+    uint light_count;
+    uint root;            // where a ray starts in the hierarchy
+    vec3 sky;             // constant radiance
+    float origin_offset;  // along the geometric normal, scene units
+    uvec2 seed;
+    uint instance;        // gbuffer: the instance drawn
+    uint step_texels;     // dilate: how far to look; 0 = fill
+    float mean_luminance; // resolve: of the last estimate
+    uint strata_side;     // bake: a quantum has a ray for each stratum of a grid of this side over the hemisphere
+    uint first_sample;    // bake: of quantum 0, for the random numbers
+    uint pad0;
+} push;
+
+#endif

@@ -1,0 +1,84 @@
+// Texels as places on surfaces: the g-buffer read back, and points within a texel's footprint.
+#ifndef SURFACE_GLSL
+#define SURFACE_GLSL
+
+#include "scene.glsl"
+
+// (instance + 1 or 0, primitive, barycentrics of the point on the triangle that is nearest to the texel's centre).
+layout(set = 0, binding = 8, rgba32ui) readonly uniform uimage2D surface_image;
+
+// A footprint's sides as bytes: -1 to 2 texels from the texel's corner; 0 and 1 are exact.
+const uint NO_FOOTPRINT = 0xffffffffu;
+
+vec4 unpack_footprint(uint code) {
+    return vec4(uvec4(code, code >> 8u, code >> 16u, code >> 24u) & 255u) / 85.0 - 1.0;
+}
+
+uint pack_footprint(vec4 sides) {
+    uvec4 bytes = uvec4(clamp(round((sides + 1.0) * 85.0), 0.0, 254.0));
+    return bytes.x | bytes.y << 8u | bytes.z << 16u | bytes.w << 24u;
+}
+
+// A texel's triangle as a plane in world space: point = origin + du * x + dv * y, x and y in texels of the light map
+// from the texel's corner.
+struct Surface {
+    uint instance;
+    uint primitive;
+    vec3 geometric_normal;  // unit, toward the front
+    vec3 normal;            // unit, for shading, on the front side
+    vec3 origin;
+    vec3 du;
+    vec3 dv;
+    vec2 barycentric_origin;
+    vec2 barycentric_du;
+    vec2 barycentric_dv;
+    vec2 centre;            // the point of the triangle nearest to the texel's centre
+};
+
+Surface surface_of(uvec2 texel, uvec4 g) {
+    Surface s;
+    s.instance = g.x - 1u;
+    s.primitive = g.y;
+    vec2 b = uintBitsToFloat(g.zw);
+    vec3 v0 = to_world_point(s.instance, triangles[s.primitive].corners[0].xyz);
+    vec3 e1 = to_world_point(s.instance, triangles[s.primitive].corners[1].xyz) - v0;
+    vec3 e2 = to_world_point(s.instance, triangles[s.primitive].corners[2].xyz) - v0;
+    vec2 t0 = corner_texel(s.instance, s.primitive, 0u);
+    vec2 t1 = corner_texel(s.instance, s.primitive, 1u) - t0;
+    vec2 t2 = corner_texel(s.instance, s.primitive, 2u) - t0;
+    float inverse = 1.0 / (t1.x * t2.y - t1.y * t2.x);
+    s.barycentric_du = vec2(t2.y, -t1.y) * inverse;
+    s.barycentric_dv = vec2(-t2.x, t1.x) * inverse;
+    vec2 corner = vec2(texel) - t0;
+    s.barycentric_origin = s.barycentric_du * corner.x + s.barycentric_dv * corner.y;
+    s.du = e1 * s.barycentric_du.x + e2 * s.barycentric_du.y;
+    s.dv = e1 * s.barycentric_dv.x + e2 * s.barycentric_dv.y;
+    s.origin = v0 + e1 * s.barycentric_origin.x + e2 * s.barycentric_origin.y;
+    s.centre = t0 + t1 * b.x + t2 * b.y - vec2(texel);
+    // Of the object's own front: in world space a mirrored transform would turn it round.
+    vec3 o0 = triangles[s.primitive].corners[0].xyz;
+    vec3 n = cross(triangles[s.primitive].corners[1].xyz - o0, triangles[s.primitive].corners[2].xyz - o0);
+    s.geometric_normal = to_world_normal(s.instance, normalize(n / max(abs(n.x), max(abs(n.y), abs(n.z)))));
+    vec3 shading = octahedral(primitives[s.primitive].normals[0]) * (1.0 - b.x - b.y)
+                   + octahedral(primitives[s.primitive].normals[1]) * b.x
+                   + octahedral(primitives[s.primitive].normals[2]) * b.y;
+    shading = dot(shading, shading) > 1e-6 ? to_world_normal(s.instance, normalize(shading)) : s.geometric_normal;
+    s.normal = dot(shading, s.geometric_normal) > 0.0 ? shading : s.geometric_normal;
+    return s;
+}
+
+vec3 point_at(Surface s, vec2 texel) {
+    return s.origin + s.du * texel.x + s.dv * texel.y;
+}
+
+bool on_triangle(Surface s, vec2 texel) {
+    vec2 b = s.barycentric_origin + s.barycentric_du * texel.x + s.barycentric_dv * texel.y;
+    return b.x >= 0.0 && b.y >= 0.0 && b.x + b.y <= 1.0;
+}
+
+// World area of the whole texel.
+float texel_area(Surface s) {
+    return length(cross(s.du, s.dv));
+}
+
+#endif

@@ -1,0 +1,87 @@
+#version 460
+// Settles where in each texel rays may start: its footprint is cut off at walls that stand in it, its centre is moved
+// out of a wall that it lies in, and a texel that lies inside an object is given up. By geometry alone, once.
+#extension GL_GOOGLE_include_directive : require
+#include "include/rays.glsl"
+#include "include/random.glsl"
+#include "include/sampling.glsl"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+
+layout(set = 0, binding = 9, r32ui) uniform uimage2D footprint_image;
+
+// How far a footprint stays away from a wall, as a share of the way to it.
+const float CLEARANCE = 0.95;
+// Rays that decide whether a texel is inside an object: few, and more where one of them saw a back face.
+const uint FEW = 4u;
+const uint MANY = 24u;
+
+bool shows_back(Hit hit) {
+    return hit.committed && !hit.front_face
+           && (primitives[hit.primitive].flags & PRIMITIVE_DOUBLE_SIDED) == 0u;
+}
+
+// A ray along the surface from `from` by `way` texels; t is in parts of the way.
+Hit look_along(Surface s, vec2 from, vec2 way) {
+    return trace_closest(ray_from(s, point_at(s, from), s.du * way.x + s.dv * way.y, 1.0));
+}
+
+// Past the nearest back face within a texel: the centre lies in a wall.
+vec2 move_out(Surface s, vec2 centre) {
+    float nearest = 1.0;
+    vec2 moved = centre;
+    for (uint i = 0u; i < 8u; ++i) {
+        vec2 way = vec2(cos(float(i) * PI / 4.0), sin(float(i) * PI / 4.0));
+        Hit hit = look_along(s, centre, way);
+        vec2 beyond = centre + way * (hit.t * 1.05 + 0.01);
+        if (shows_back(hit) && hit.t < nearest && on_triangle(s, beyond)) {
+            nearest = hit.t;
+            moved = beyond;
+        }
+    }
+    return moved;
+}
+
+// How much of `way` from the centre is free, as the coordinate that is reached.
+float reach(Surface s, vec2 centre, vec2 way) {
+    Hit hit = look_along(s, centre, way);
+    return hit.committed ? hit.t * CLEARANCE : 1.0;
+}
+
+// Share of back faces over the hemisphere.
+float back_share(Surface s, uint key, uint side) {
+    mat3 frame = frame_of(s.geometric_normal);
+    uint count = 0u;
+    for (uint i = 0u; i < side * side; ++i) {
+        vec3 direction = frame * cosine_direction(stratified(i, side, random4(key, i, side).xy));
+        count += uint(shows_back(trace_closest(ray_from(s, point_at(s, s.centre), direction, 1e30))));
+    }
+    return float(count) / float(side * side);
+}
+
+void main() {
+    uvec2 texel = gl_GlobalInvocationID.xy + uvec2(0u, push.first_texel);
+    if (any(greaterThanEqual(texel, push.map_size))) return;
+    uvec4 g = imageLoad(surface_image, ivec2(texel));
+    if (g.x == 0u) {
+        imageStore(footprint_image, ivec2(texel), uvec4(NO_FOOTPRINT));
+        return;
+    }
+    Surface s = surface_of(texel, g);
+    if (SINGLE_SIDED) {
+        s.centre = move_out(s, s.centre);
+        uint key = texel.x | texel.y << 16u;
+        if (back_share(s, key, 2u) > 0.0 && back_share(s, key, 5u) > 0.5) {
+            imageStore(footprint_image, ivec2(texel), uvec4(NO_FOOTPRINT));
+            return;
+        }
+    }
+    vec2 lo = min(vec2(0.0), s.centre), hi = max(vec2(1.0), s.centre);
+    vec4 way = vec4(lo - s.centre, hi - s.centre);
+    vec4 sides;
+    sides.x = s.centre.x + way.x * reach(s, s.centre, vec2(way.x, 0.0));
+    sides.y = s.centre.y + way.y * reach(s, s.centre, vec2(0.0, way.y));
+    sides.z = s.centre.x + way.z * reach(s, s.centre, vec2(way.z, 0.0));
+    sides.w = s.centre.y + way.w * reach(s, s.centre, vec2(0.0, way.w));
+    imageStore(footprint_image, ivec2(texel), uvec4(pack_footprint(sides)));
+}

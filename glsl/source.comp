@@ -1,0 +1,45 @@
+#version 460
+// Outgoing radiance of every texel, albedo / pi * irradiance + emission: what a ray's hit reads. Emission is free.
+#extension GL_GOOGLE_include_directive : require
+#include "include/layout.glsl"
+#include "include/surface.glsl"
+#include "include/texels.glsl"
+#include "include/irradiance.glsl"
+
+layout(set = 0, binding = 17, rgba16f) readonly uniform image2D albedo_image;
+layout(set = 0, binding = 18, rgba32f) readonly uniform image2D emission_image;
+layout(set = 0, binding = 19, rgba32f) writeonly uniform image2D source_image;
+// A work group's sums: luminance times area, area, largest albedo, texels whose radiance was no number.
+layout(set = 0, binding = 20, std430) writeonly buffer Sums { vec4 sums[]; };
+
+// From NUMERICS: an albedo of 1 has no finite answer in a closed room. Scene::MAX_ALBEDO.
+const float MAX_ALBEDO = 0.999;
+
+shared vec4 group[64];
+
+void main() {
+    uvec2 texel;
+    vec4 mine = vec4(0.0);
+    if (texel_of_invocation(texel)) {
+        vec3 albedo = min(imageLoad(albedo_image, ivec2(texel)).rgb, vec3(MAX_ALBEDO));
+        vec3 radiance = albedo * irradiance_of(ivec2(texel)) / PI + imageLoad(emission_image, ivec2(texel)).rgb;
+        bool valid = !any(isnan(radiance)) && !any(isinf(radiance));
+        if (!valid) radiance = vec3(0.0);
+        imageStore(source_image, ivec2(texel), vec4(radiance, 1.0));
+        float area = texel_area(surface_of(texel, imageLoad(surface_image, ivec2(texel))));
+        float luminance = dot(radiance, vec3(0.2126, 0.7152, 0.0722));
+        mine = vec4(luminance * area, area, max(albedo.r, max(albedo.g, albedo.b)), valid ? 0.0 : 1.0);
+    }
+    uint lane = gl_LocalInvocationID.x;
+    group[lane] = mine;
+    barrier();
+    // Pairwise, in an order of its own: the same bits on every run.
+    for (uint half_size = 32u; half_size > 0u; half_size /= 2u) {
+        if (lane < half_size) {
+            vec4 other = group[lane + half_size];
+            group[lane] = vec4(group[lane].xy + other.xy, max(group[lane].z, other.z), group[lane].w + other.w);
+        }
+        barrier();
+    }
+    if (lane == 0u) sums[gl_WorkGroupID.x] = group[0];
+}
