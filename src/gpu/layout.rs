@@ -1,0 +1,146 @@
+//! What host and device share, as `glsl/include/layout.glsl` has it; `tests/layout.rs` compares the two.
+//! The hierarchy's structs are in `crate::bvh`.
+
+use bytemuck::{Pod, Zeroable};
+
+/// Bindings of set 0, the same number for the same thing in every shader.
+pub(crate) mod binding {
+    pub(crate) const HIERARCHY: u32 = 0;
+    pub(crate) const TRIANGLES: u32 = 1;
+    pub(crate) const PRIMITIVES: u32 = 2;
+    pub(crate) const INSTANCES: u32 = 3;
+    pub(crate) const MATERIALS: u32 = 4;
+    pub(crate) const TEXELS: u32 = 5;
+    pub(crate) const LIGHTS: u32 = 6;
+    pub(crate) const SKY_MAP: u32 = 7;
+    pub(crate) const SURFACE: u32 = 8;
+    pub(crate) const FOOTPRINT: u32 = 9;
+    pub(crate) const SOURCE_MAP: u32 = 10;
+    pub(crate) const MEAN_EVEN: u32 = 11;
+    pub(crate) const MEAN_ODD: u32 = 12;
+    pub(crate) const ALBEDO_TEXTURE: u32 = 13;
+    pub(crate) const EMISSION_TEXTURE: u32 = 14;
+    pub(crate) const TEXCOORDS: u32 = 15;
+    pub(crate) const DIRECT: u32 = 16;
+    pub(crate) const ALBEDO: u32 = 17;
+    pub(crate) const EMISSION: u32 = 18;
+    pub(crate) const SOURCE_IMAGE: u32 = 19;
+    pub(crate) const SUMS: u32 = 20;
+    pub(crate) const LIGHT_MAP: u32 = 21;
+    pub(crate) const NEAREST_BEFORE: u32 = 22;
+    pub(crate) const NEAREST_AFTER: u32 = 23;
+    pub(crate) const RAYS: u32 = 24;
+    pub(crate) const ANSWERS: u32 = 25;
+}
+
+/// What a hit needs of a triangle.
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct Primitive {
+    /// Light-map coordinates of the corners.
+    pub(crate) uvs: [[f32; 2]; 3],
+    /// Shading normals of the corners, octahedral, two snorm16.
+    pub(crate) normals: [u32; 3],
+    pub(crate) material: u32,
+    /// [`Primitive::MAPPED`], [`Primitive::DOUBLE_SIDED`].
+    pub(crate) flags: u32,
+    pub(crate) pad: u32,
+}
+
+impl Primitive {
+    /// It has a place in the light map.
+    pub(crate) const MAPPED: u32 = 1;
+    /// It answers when seen from behind.
+    pub(crate) const DOUBLE_SIDED: u32 = 2;
+}
+
+/// A material's factors.
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct Material {
+    pub(crate) albedo: [f32; 3],
+    pub(crate) pad0: u32,
+    pub(crate) emission: [f32; 3],
+    pub(crate) pad1: u32,
+}
+
+/// An analytic light.
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct Light {
+    pub(crate) position: [f32; 3],
+    /// 0 point, 1 spot, 2 directional.
+    pub(crate) kind: u32,
+    pub(crate) direction: [f32; 3],
+    /// 0: none.
+    pub(crate) range: f32,
+    pub(crate) intensity: [f32; 3],
+    pub(crate) cone_scale: f32,
+    pub(crate) cone_offset: f32,
+    pub(crate) pad0: u32,
+    pub(crate) pad1: u32,
+    pub(crate) pad2: u32,
+}
+
+/// Texture coordinates of a triangle's corners.
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct Texcoords {
+    pub(crate) albedo: [[f32; 2]; 3],
+    pub(crate) emission: [[f32; 2]; 3],
+}
+
+/// A ray that the host asks about.
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct TracedRay {
+    pub(crate) origin: [f32; 3],
+    pub(crate) t_min: f32,
+    pub(crate) direction: [f32; 3],
+    pub(crate) t_max: f32,
+    /// The triangle that the ray starts from; all ones: none.
+    pub(crate) skip_instance: u32,
+    pub(crate) skip_primitive: u32,
+    pub(crate) pad: [u32; 2],
+}
+
+/// What a ray hit; `instance` is all ones for a miss.
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct Answer {
+    pub(crate) t: f32,
+    pub(crate) instance: u32,
+    pub(crate) primitive: u32,
+    pub(crate) front_face: u32,
+    pub(crate) barycentrics: [f32; 2],
+    pub(crate) pad: [u32; 2],
+}
+
+/// Push constants, the same block for every pass.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct Push {
+    pub(crate) map_size: [u32; 2],
+    pub(crate) first_texel: u32,
+    pub(crate) texel_count: u32,
+    pub(crate) first_quantum: u32,
+    pub(crate) quantum_count: u32,
+    pub(crate) light_count: u32,
+    pub(crate) root: u32,
+    pub(crate) sky: [f32; 3],
+    pub(crate) origin_offset: f32,
+    pub(crate) seed: [u32; 2],
+    pub(crate) instance: u32,
+    pub(crate) step_texels: u32,
+    pub(crate) mean_luminance: f32,
+    pub(crate) strata_side: u32,
+    pub(crate) first_sample: u32,
+    pub(crate) pad0: u32,
+}
+
+/// Invocations of a work group that goes through the list of texels.
+pub(crate) const GROUP: u32 = 64;
+/// Side of a work group that goes through the whole map.
+pub(crate) const SQUARE_GROUP: u32 = 8;
+/// A footprint that says: no ray starts here.
+pub(crate) const NO_FOOTPRINT: u32 = u32::MAX;

@@ -1,0 +1,49 @@
+//! The Vulkan layer: the only folder with unsafe code. Descriptions go in, finished objects come out; each holds the
+//! device alive and frees what it owns.
+#![expect(unsafe_code, reason = "Vulkan is called here and nowhere else")]
+
+mod acceleration;
+mod bindings;
+mod commands;
+mod create;
+mod device;
+mod info;
+mod memory;
+mod pipeline;
+mod recorder;
+mod sampler;
+mod shader;
+
+pub(crate) mod layout;
+
+pub use device::{Backend, BackendChoice, Gpu, RawDevice};
+pub use info::DeviceInfo;
+
+pub(crate) use acceleration::SceneStructure;
+pub(crate) use bindings::{BindingSet, Resource};
+pub(crate) use commands::Commands;
+pub(crate) use create::{create_device, create_instance, list_devices};
+pub(crate) use info::Messages;
+pub(crate) use memory::{Buffer, BufferDesc, Image, ImageDesc, Location};
+pub(crate) use pipeline::{ComputePipeline, Constants, RasterDesc, RasterPipeline};
+pub(crate) use recorder::{Recorder, Rendering};
+pub(crate) use sampler::Sampler;
+pub(crate) use shader::{BAKE, DILATE, DIRECT, GBUFFER_FRAG, GBUFFER_VERT, RESOLVE, SETTLE, SOURCE, TRACE};
+
+use crate::error::{Error, ErrorKind};
+use ash::vk;
+use std::borrow::Cow;
+
+/// A failed Vulkan call as an error of the crate; the `vk::Result` stays its source.
+pub(crate) fn vulkan_error(context: impl Into<Cow<'static, str>>, result: vk::Result) -> Error {
+    let kind = match result {
+        vk::Result::ERROR_OUT_OF_HOST_MEMORY | vk::Result::ERROR_OUT_OF_DEVICE_MEMORY => ErrorKind::OutOfMemory,
+        vk::Result::ERROR_DEVICE_LOST => ErrorKind::DeviceLost,
+        vk::Result::ERROR_INCOMPATIBLE_DRIVER
+        | vk::Result::ERROR_EXTENSION_NOT_PRESENT
+        | vk::Result::ERROR_FEATURE_NOT_PRESENT
+        | vk::Result::ERROR_LAYER_NOT_PRESENT => ErrorKind::Unsupported,
+        _ => ErrorKind::Driver,
+    };
+    Error::new(kind, context).with_source(result)
+}
