@@ -32,10 +32,10 @@ pub const MAX_STACK_SIZE: usize = 96;
 /// Distances to the far side of a box are scaled by this: 2 gamma(3) of Ize, Robust BVH Ray Traversal, JCGT 2013.
 pub const TFAR_SCALE: f32 = 1.000_000_4;
 /// A direction component closer to 0 than this becomes this, with its sign, before it is inverted in the box test.
-pub const MIN_DIRECTION: f32 = 1e-30;
-/// Largest coordinate relative to the scene's middle, in world and in object space: over 3.4e8, its product with
+pub const MIN_DIRECTION: f32 = 1e-20;
+/// Largest coordinate relative to the scene's middle, in world and in object space: over 3.4e18, its product with
 /// 1 / [`MIN_DIRECTION`] is infinite and every box would be missed.
-pub const MAX_COORDINATE: f64 = 1e8;
+pub const MAX_COORDINATE: f64 = 1e12;
 
 const MAX_LEAF_SIZE: u32 = 4;
 /// Both corners of the box of an empty child: a point that no ray reaches. (The box test does not tell lo from hi, so

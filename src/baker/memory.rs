@@ -1,0 +1,56 @@
+//! What a bake takes on the device, told before anything is allocated.
+
+use super::BakeSettings;
+use crate::error::{Error, ErrorKind, Result};
+use crate::features::Features;
+use crate::gpu::DeviceInfo;
+use crate::pass::{DeviceScene, Maps};
+use crate::scene::{Atlas, Scene};
+
+/// Device memory by what it is for.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct MemoryEstimate {
+    /// Name and bytes.
+    pub parts: Vec<(&'static str, u64)>,
+}
+
+impl MemoryEstimate {
+    /// All parts together, bytes.
+    pub fn total(&self) -> u64 {
+        self.parts.iter().map(|(_, bytes)| bytes).sum()
+    }
+
+    pub(super) fn of(scene: &Scene, size: [u32; 2]) -> Self {
+        let features = Features::required(scene);
+        let texels = u64::from(size[0]) * u64::from(size[1]);
+        let mut parts: Vec<_> = Maps::bytes(size, features).collect();
+        // The g-buffer's depth, the list of texels, the two images of the dilation.
+        parts.extend([("gbuffer depth", texels * 4), ("texels", texels * 4), ("nearest texels", texels * 8)]);
+        parts.extend(DeviceScene::bytes(scene, features));
+        Self { parts }
+    }
+
+    /// `OutOfMemory` where the device does not have as much.
+    pub(super) fn check(&self, size: [u32; 2], info: &DeviceInfo) -> Result<()> {
+        let (total, available) = (self.total(), info.device_memory_bytes);
+        if total <= available {
+            return Ok(());
+        }
+        let [width, height] = size;
+        let name = &info.name;
+        Err(Error::new(
+            ErrorKind::OutOfMemory,
+            format!("a light map of {width} x {height} needs {total} bytes; device '{name}' has {available}"),
+        ))
+    }
+}
+
+/// The layout of the scene's light map, and what baking it takes.
+///
+/// # Errors
+/// As [`Atlas::new`].
+pub fn estimate_memory(scene: &Scene, settings: &BakeSettings) -> Result<(Atlas, MemoryEstimate)> {
+    let atlas = Atlas::new(scene, settings.resolution)?;
+    let estimate = MemoryEstimate::of(scene, atlas.size.to_array());
+    Ok((atlas, estimate))
+}

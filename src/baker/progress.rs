@@ -1,0 +1,173 @@
+//! When a bake ends, and what it tells on the way and afterwards.
+
+use crate::epochs::Epoch;
+use crate::error::{Error, Result};
+use std::time::Duration;
+
+/// When a bake ends: at whichever comes first. With nothing set it goes on until it is interrupted.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Stop {
+    /// Rays a texel, those of bounce epochs not counted; rounded up to a multiple of 64; at most 2^30.
+    pub samples: Option<u32>,
+    /// Estimated relative error of the irradiance, the root of relMSE; more than 0.
+    pub error: Option<f32>,
+    /// Time from the call, bounce epochs included; more than 0.
+    pub time: Option<Duration>,
+}
+
+/// How a bake ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Outcome {
+    /// The stop was reached.
+    Finished,
+    /// The progress callback broke it off.
+    Interrupted,
+}
+
+/// What a bake is doing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Phase {
+    /// Scene, hierarchy, g-buffer.
+    Preparing,
+    /// Finding out how light is reflected; these rays are not kept.
+    Bounces,
+    /// Collecting samples.
+    Samples,
+}
+
+impl Phase {
+    /// A word for a progress bar.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Preparing => "preparing",
+            Self::Bounces => "bounces",
+            Self::Samples => "samples",
+        }
+    }
+}
+
+/// How far a bake is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Progress {
+    /// What it is doing.
+    pub phase: Phase,
+    /// Epochs finished.
+    pub epoch: u32,
+    /// Samples that every texel has at least.
+    pub samples_per_texel: u64,
+    /// Rays traced, bounce epochs included.
+    pub rays: u64,
+    /// Million rays a second of baking.
+    pub mrays_per_s: f64,
+    /// Time since the call.
+    pub elapsed: Duration,
+    /// Root of relMSE as the half buffers tell it; `None` before there are two halves.
+    pub estimated_error: Option<f32>,
+    /// How far it is on the way to the stop, 0 to 1.
+    pub fraction: f32,
+    /// Time to the stop at the rate so far; `None` while it cannot be told.
+    pub time_left: Option<Duration>,
+}
+
+/// Wall time by what it went into, seconds.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Seconds {
+    /// Building the hierarchy on the host.
+    pub bvh: f64,
+    /// Uploading the scene, drawing the g-buffer and settling its texels.
+    pub gbuffer: f64,
+    /// The first source map and light from analytic lights.
+    pub direct: f64,
+    /// Gathering, resolving for error estimates included.
+    pub bake: f64,
+    /// Resolving, filling gutters and reading back.
+    pub resolve: f64,
+    /// Making pipelines, and what the driver compiles at their first use.
+    pub compile: f64,
+}
+
+/// What a bake has done.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Statistics {
+    /// Texels that take rays.
+    pub texels: u64,
+    /// Texels on a surface that are inside something and are filled from their neighbours.
+    pub invalid_texels: u64,
+    /// Epochs finished.
+    pub epochs: u32,
+    /// Kept samples that every texel has at least.
+    pub samples_per_texel: f64,
+    /// Rays traced by gathering, bounce epochs included, shadow rays of analytic lights not.
+    pub rays: u64,
+    /// `rays` over `seconds.bake`, in millions.
+    pub mrays_per_s: f64,
+    /// Root of relMSE as the half buffers tell it; `None` before there are two halves.
+    pub estimated_error: Option<f32>,
+    /// Wall time by what it went into.
+    pub seconds: Seconds,
+    /// What was noticed, one sentence each.
+    pub warnings: Vec<String>,
+}
+
+impl Stop {
+    pub(super) fn check(&self) -> Result<()> {
+        if let Some(samples) = self.samples.filter(|samples| !(1..=1 << 30).contains(samples)) {
+            return Err(Error::settings(format!("the number of samples is {samples}; allowed is 1 to {}", 1 << 30)));
+        }
+        if let Some(error) = self.error.filter(|error| !(*error > 0.0)) {
+            return Err(Error::settings(format!("the error to reach is {error}; allowed is more than 0")));
+        }
+        if self.time == Some(Duration::ZERO) {
+            return Err(Error::settings("the time is 0; allowed is more than 0"));
+        }
+        Ok(())
+    }
+
+    /// Kept quanta after which the samples are enough.
+    pub(super) fn quanta(&self, samples_per_quantum: u32) -> u32 {
+        self.samples.map_or(u32::MAX, |samples| samples.div_ceil(samples_per_quantum))
+    }
+
+    pub(super) fn reached(&self, statistics: &Statistics, elapsed: Duration) -> bool {
+        self.samples.is_some_and(|samples| statistics.samples_per_texel >= f64::from(samples))
+            || self.time.is_some_and(|time| elapsed >= time)
+            || self.error.is_some_and(|target| statistics.estimated_error.is_some_and(|error| error <= target))
+    }
+
+    /// 0 to 1.
+    fn fraction(&self, statistics: &Statistics, elapsed: Duration) -> f64 {
+        let samples = self.samples.map_or(0.0, |samples| statistics.samples_per_texel / f64::from(samples));
+        let time = self.time.map_or(0.0, |time| elapsed.as_secs_f64() / time.as_secs_f64());
+        // The error falls with the root of the samples.
+        let toward = |(target, error): (f32, f32)| f64::from(target / error.max(f32::MIN_POSITIVE)).powi(2);
+        let error = self.error.zip(statistics.estimated_error).map_or(0.0, toward);
+        samples.max(time).max(error).min(1.0)
+    }
+}
+
+impl Statistics {
+    /// Keeps a warning, once.
+    pub(super) fn warn(&mut self, warning: String) {
+        if !self.warnings.contains(&warning) {
+            tracing::warn!("{warning}");
+            self.warnings.push(warning);
+        }
+    }
+
+    pub(super) fn progress(&mut self, epoch: Epoch, stop: &Stop, elapsed: Duration) -> Progress {
+        self.mrays_per_s = self.rays as f64 / self.seconds.bake.max(1e-9) / 1e6;
+        let fraction = stop.fraction(self, elapsed);
+        let left = elapsed.as_secs_f64() * (1.0 - fraction) / fraction;
+        Progress {
+            phase: if epoch == Epoch::Bounce { Phase::Bounces } else { Phase::Samples },
+            epoch: self.epochs,
+            samples_per_texel: self.samples_per_texel as u64,
+            rays: self.rays,
+            mrays_per_s: self.mrays_per_s,
+            elapsed,
+            estimated_error: self.estimated_error,
+            fraction: fraction as f32,
+            time_left: Duration::try_from_secs_f64(left).ok().filter(|_| fraction > 0.01),
+        }
+    }
+}

@@ -1,0 +1,164 @@
+//! What can be asked for.
+
+use crate::values;
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use glam::Vec3;
+use lightoven::baker::{Bounces, Stop};
+use lightoven::gpu::BackendChoice;
+use lightoven::io::gltf::SidednessChoice;
+use lightoven::scene::Resolution;
+use std::path::PathBuf;
+use std::time::Duration;
+
+/// Bakes light maps with Vulkan
+#[derive(Debug, Parser)]
+#[command(name = "lightoven", version)]
+pub(crate) struct Arguments {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Bake a glTF scene to an EXR light map
+    Bake(Bake),
+    /// Show devices and limits and, for a scene, what a bake would do
+    Info(Info),
+    /// Measure how far light map A is from a reference B
+    Compare(Compare),
+}
+
+/// Bake a glTF scene to an EXR light map
+///
+/// Samples until the first of --samples, --time and --error is reached; without any of them, until an error of 0.02 or
+/// for 10 minutes. Ctrl-C stops early and writes what is there; a second one ends at once.
+#[derive(Debug, Args)]
+pub(crate) struct Bake {
+    /// The scene: .gltf or .glb
+    pub(crate) scene: PathBuf,
+    /// The light map: R, G, B irradiance, A coverage, 32-bit floats
+    #[arg(short, long, value_name = "OUT.exr")]
+    pub(crate) output: PathBuf,
+    #[command(flatten)]
+    pub(crate) how: SceneArguments,
+    /// Stop after this many samples a texel
+    #[arg(long, value_name = "N", value_parser = values::samples, allow_negative_numbers = true)]
+    samples: Option<u32>,
+    /// Stop after this time of baking: 30s, 1.5m, 2h, 500ms; a number alone is seconds
+    #[arg(long, value_name = "TIME", value_parser = values::duration, allow_hyphen_values = true)]
+    time: Option<Duration>,
+    /// Stop at this estimated relative error, over 0 and up to 1
+    #[arg(long, value_name = "E", value_parser = values::error, allow_hyphen_values = true)]
+    error: Option<f32>,
+    /// How often light is reflected between surfaces: auto, or 0 to 1000
+    #[arg(long, value_name = "auto|N", default_value = "auto", value_parser = values::bounces, allow_negative_numbers = true)]
+    pub(crate) bounces: Bounces,
+    /// Seed of the random numbers: the same seed on the same device gives the same light map for --samples
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = values::seed, allow_negative_numbers = true)]
+    pub(crate) seed: u64,
+    /// Which way rays are traced
+    #[arg(long, value_enum, default_value = "auto")]
+    backend: BackendArgument,
+    /// The device: its index or a part of its name; `lightoven info` lists them
+    #[arg(long, value_name = "INDEX|NAME")]
+    pub(crate) device: Option<String>,
+    /// Write figures about the bake as JSON
+    #[arg(long, value_name = "R.json")]
+    pub(crate) report: Option<PathBuf>,
+    /// Write an 8-bit sRGB picture of the light map, the 99th percentile of its luminance near white
+    #[arg(long, value_name = "P.png")]
+    pub(crate) preview: Option<PathBuf>,
+    /// Print warnings and errors only
+    #[arg(long)]
+    pub(crate) quiet: bool,
+}
+
+/// What decides how a scene is read and how large its light map is.
+#[derive(Debug, Args)]
+pub(crate) struct SceneArguments {
+    /// Side of the light map in texels, 1 to 16384 [default: 512]
+    #[arg(long, value_name = "N", value_parser = values::resolution, allow_negative_numbers = true)]
+    resolution: Option<u32>,
+    /// Texels for one scene unit of length, instead of --resolution
+    #[arg(long, value_name = "X", value_parser = values::texels_per_unit, allow_hyphen_values = true, conflicts_with = "resolution")]
+    texels_per_unit: Option<f32>,
+    /// Radiance of the sky: three numbers, or an equirectangular EXR, y up
+    #[arg(long, value_name = "R,G,B|FILE.exr", value_parser = values::sky, allow_hyphen_values = true)]
+    pub(crate) sky: Option<SkyArgument>,
+    /// Let every surface answer on both sides, as Blender does
+    #[arg(long)]
+    double_sided: bool,
+}
+
+/// Show devices and limits and, for a scene, what a bake would do
+#[derive(Debug, Args)]
+pub(crate) struct Info {
+    /// A scene: .gltf or .glb
+    pub(crate) scene: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) how: SceneArguments,
+}
+
+/// Measure how far light map A is from a reference B
+///
+/// Over texels with A > 0.5 in both and a luminance (Rec. 709) in B of more than 1 % of its mean.
+#[derive(Debug, Args)]
+pub(crate) struct Compare {
+    /// The light map to judge
+    pub(crate) a: PathBuf,
+    /// The reference
+    pub(crate) b: PathBuf,
+    /// Multiply B by this first; 3.14159265 for a reference that holds irradiance / pi
+    #[arg(long, value_name = "X", default_value_t = 1.0, value_parser = values::scale, allow_hyphen_values = true)]
+    pub(crate) scale_b: f64,
+    /// Write the figures as JSON too
+    #[arg(long, value_name = "R.json")]
+    pub(crate) report: Option<PathBuf>,
+}
+
+/// A sky as it is asked for.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum SkyArgument {
+    Constant(Vec3),
+    File(PathBuf),
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum BackendArgument {
+    /// Chosen for the device
+    Auto,
+    /// Traversal in the shader; runs everywhere
+    Software,
+    /// The device's own ray query
+    RayQuery,
+}
+
+impl Bake {
+    pub(crate) fn stop(&self) -> Stop {
+        match (self.samples, self.error, self.time) {
+            (None, None, None) => Stop { samples: None, error: Some(0.02), time: Some(Duration::from_secs(600)) },
+            (samples, error, time) => Stop { samples, error, time },
+        }
+    }
+
+    pub(crate) fn backend(&self) -> BackendChoice {
+        match self.backend {
+            BackendArgument::Auto => BackendChoice::Auto,
+            BackendArgument::Software => BackendChoice::Software,
+            BackendArgument::RayQuery => BackendChoice::RayQuery,
+        }
+    }
+}
+
+impl SceneArguments {
+    pub(crate) fn resolution(&self) -> Resolution {
+        match self.texels_per_unit {
+            Some(density) => Resolution::PerUnit(density),
+            None => Resolution::Texels(self.resolution.unwrap_or(512)),
+        }
+    }
+
+    pub(crate) fn sidedness(&self) -> SidednessChoice {
+        if self.double_sided { SidednessChoice::AllDouble } else { SidednessChoice::AsWritten }
+    }
+}

@@ -1,0 +1,185 @@
+//! `lightoven bake`: a scene in, a light map out.
+
+use crate::Ending;
+use crate::arguments::{Bake, SkyArgument};
+use crate::progress::{Bar, Visibility};
+use crate::report::{Measured, Report, write_json};
+use crate::{interrupt, load, messages};
+use lightoven::baker::{BakeSettings, Baker, LightMap, Outcome};
+use lightoven::headless::{Headless, HeadlessSettings, Validation};
+use lightoven::io::exr::{Metadata, write_light_map};
+use lightoven::io::{check_writable, preview};
+use lightoven::scene::Scene;
+use lightoven::{Error, ErrorKind, Result};
+use std::fmt::Write as _;
+use std::fs;
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// Bakes; `start` is when the command began.
+pub(crate) fn run(arguments: &Bake, start: Instant) -> Result<Ending> {
+    check_paths(arguments)?;
+    interrupt::install()?;
+    let bar = Bar::new(if arguments.quiet { Visibility::Hidden } else { Visibility::Shown });
+
+    bar.say("loading");
+    let loading = Instant::now();
+    let scene = load::scene(&arguments.scene, &arguments.how)?;
+    let load = loading.elapsed().as_secs_f64();
+
+    bar.say("preparing");
+    let headless = Headless::new(&device(arguments))?;
+    let settings = BakeSettings {
+        resolution: arguments.how.resolution(),
+        bounces: arguments.bounces,
+        seed: arguments.seed,
+        ..BakeSettings::default()
+    };
+    let mut baker = Baker::new(headless.gpu(), &scene, &settings)?;
+    let layout_warning = load::layout_warning(baker.atlas());
+    layout_warning.iter().for_each(|warning| tracing::warn!("{warning}"));
+    if interrupt::requested() {
+        return Ok(nothing_written());
+    }
+
+    let outcome = baker.bake(&arguments.stop(), &mut |progress| {
+        bar.show(progress);
+        if interrupt::requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    })?;
+    let light_map = baker.read_back()?;
+    fail_on_validation(&headless)?;
+
+    bar.say("writing");
+    let writing = Instant::now();
+    write_images(arguments, &light_map, &metadata(&scene, &headless, &baker, arguments.seed))?;
+    let measured = Measured { load, write: writing.elapsed().as_secs_f64(), total: start.elapsed().as_secs_f64() };
+    let warnings = warnings(&scene, layout_warning, &baker, &light_map);
+    warnings.iter().for_each(|warning| tracing::warn!("{warning}"));
+    let report = Report::new(&scene, headless.gpu(), &baker, outcome, arguments.seed, measured, warnings);
+    if let Some(path) = &arguments.report {
+        write_json(path, &report)?;
+    }
+    drop(bar);
+    conclude(arguments, &report, baker.atlas().shared, outcome)
+}
+
+fn device(arguments: &Bake) -> HeadlessSettings {
+    let wanted = std::env::var_os("LIGHTOVEN_VALIDATION").is_some_and(|value| value == "1");
+    HeadlessSettings {
+        device: arguments.device.clone(),
+        backend: arguments.backend(),
+        validation: if wanted { Validation::On } else { Validation::Off },
+    }
+}
+
+fn nothing_written() -> Ending {
+    messages::line("interrupted before anything was baked: nothing is written");
+    Ending::Interrupted
+}
+
+/// A bake that broke Vulkan's rules proves nothing, whatever its light map looks like.
+fn fail_on_validation(headless: &Headless) -> Result<()> {
+    match &headless.validation_messages()[..] {
+        [] => Ok(()),
+        [first, rest @ ..] => {
+            let context = format!("the validation layer has {} messages, the first: {first}", rest.len() + 1);
+            Err(Error::new(ErrorKind::Driver, context))
+        }
+    }
+}
+
+fn metadata(scene: &Scene, headless: &Headless, baker: &Baker, seed: u64) -> Metadata {
+    Metadata {
+        scene: scene.name().to_owned(),
+        seed,
+        samples: baker.statistics().samples_per_texel,
+        device: headless.gpu().info().name.clone(),
+        version: concat!("lightoven ", env!("CARGO_PKG_VERSION")).to_owned(),
+    }
+}
+
+fn write_images(arguments: &Bake, light_map: &LightMap, metadata: &Metadata) -> Result<()> {
+    write_light_map(&arguments.output, light_map, metadata)?;
+    match &arguments.preview {
+        Some(path) => preview::write_preview(path, light_map),
+        None => Ok(()),
+    }
+}
+
+fn warnings(scene: &Scene, layout: Option<String>, baker: &Baker, light_map: &LightMap) -> Vec<String> {
+    let mut warnings = scene.warnings().to_vec();
+    warnings.extend(layout);
+    for warning in &baker.statistics().warnings {
+        if !warnings.contains(warning) {
+            warnings.push(warning.clone());
+        }
+    }
+    let broken = light_map.pixels.iter().filter(|pixel| !pixel.iter().all(|c| c.is_finite())).count();
+    if broken > 0 {
+        warnings.push(format!("{broken} texels of the light map are not finite numbers"));
+    }
+    warnings
+}
+
+fn conclude(arguments: &Bake, report: &Report, shared: bool, outcome: Outcome) -> Result<Ending> {
+    if outcome == Outcome::Interrupted {
+        let (path, samples) = (arguments.output.display(), report.samples_per_texel);
+        messages::line(&format!("interrupted: '{path}' holds what was baked until then, {samples:.1} samples a texel"));
+    }
+    if !arguments.quiet {
+        let mut text = report.summary();
+        let outputs = [Some(&arguments.output), arguments.preview.as_ref(), arguments.report.as_ref()];
+        for path in outputs.into_iter().flatten() {
+            // Writing to a string cannot fail.
+            let _ = writeln!(text, "wrote    {}", path.display());
+        }
+        if !shared {
+            let count = report.instances.len();
+            let place = match &arguments.report {
+                Some(path) => format!("in {}", path.display()),
+                None => "written by --report".to_owned(),
+            };
+            let _ =
+                writeln!(text, "packed   {count} instances, each into a rectangle of its own: {place}, \"instances\"");
+        }
+        messages::stdout(&text)?;
+    }
+    Ok(if outcome == Outcome::Interrupted { Ending::Interrupted } else { Ending::Done })
+}
+
+/// Refuses, before anything takes time, outputs that cannot be written, or that would replace each other or an input.
+fn check_paths(arguments: &Bake) -> Result<()> {
+    let outputs = [
+        ("--output", Some(&arguments.output)),
+        ("--preview", arguments.preview.as_ref()),
+        ("--report", arguments.report.as_ref()),
+    ];
+    let sky = match &arguments.how.sky {
+        Some(SkyArgument::File(path)) => Some(path),
+        _ => None,
+    };
+    let inputs = [("the scene", Some(&arguments.scene)), ("--sky", sky)];
+    let mut taken: Vec<(&str, PathBuf)> =
+        inputs.into_iter().filter_map(|(name, path)| Some((name, identity(path?)))).collect();
+    for (name, path) in outputs {
+        let Some(path) = path else { continue };
+        let identity = identity(path);
+        if let Some((other, _)) = taken.iter().find(|(_, taken)| *taken == identity) {
+            let context = format!("{name} is '{}', the same file as {other}; allowed is another", path.display());
+            return Err(Error::new(ErrorKind::InvalidSettings, context));
+        }
+        taken.push((name, identity));
+        check_writable(path)?;
+    }
+    Ok(())
+}
+
+/// One path for a file, however it is spelled, whether it exists or not.
+fn identity(path: &Path) -> PathBuf {
+    let through_folder = || {
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        Some(fs::canonicalize(folder).ok()?.join(path.file_name()?))
+    };
+    fs::canonicalize(path).ok().or_else(through_folder).unwrap_or_else(|| path.to_path_buf())
+}

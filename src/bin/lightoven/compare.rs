@@ -1,0 +1,184 @@
+//! `lightoven compare`: how far a light map is from a reference.
+
+use crate::arguments::Compare;
+use crate::report::write_json;
+use crate::{Ending, messages};
+use lightoven::io::{check_writable, exr, luminance};
+use lightoven::{Error, ErrorKind, Result};
+use serde::Serialize;
+
+/// Texels of B with less of its mean luminance than this do not count: a relative difference says nothing there.
+const DARK: f64 = 0.01;
+
+/// Share of the mean luminance, squared, that relMSE adds to its denominator, so that dark texels do not decide it.
+const RELATIVE_MSE_FLOOR: f64 = 0.01;
+
+/// Reads both, compares, says how they differ.
+pub(crate) fn run(arguments: &Compare) -> Result<Ending> {
+    if let Some(path) = &arguments.report {
+        check_writable(path)?;
+    }
+    let (width, height, a) = exr::read_image(&arguments.a)?;
+    let (b_width, b_height, b) = exr::read_image(&arguments.b)?;
+    let (a_name, b_name) = (arguments.a.display(), arguments.b.display());
+    if (width, height) != (b_width, b_height) {
+        return Err(Error::new(
+            ErrorKind::InvalidScene,
+            format!("'{a_name}' is {width} x {height} and '{b_name}' is {b_width} x {b_height}; allowed is one size"),
+        ));
+    }
+    let Some(difference) = Difference::new(&a, &b, arguments.scale_b, width) else {
+        let why = "no texel has A > 0.5 in both and, in the second, more than 1 % of its mean luminance";
+        return Err(Error::new(ErrorKind::InvalidScene, format!("cannot compare '{a_name}' with '{b_name}': {why}")));
+    };
+    messages::stdout(&difference.text())?;
+    if let Some(path) = &arguments.report {
+        let (a, b) = (arguments.a.to_string_lossy().into_owned(), arguments.b.to_string_lossy().into_owned());
+        write_json(path, &Report { a, b, scale_b: arguments.scale_b, difference })?;
+    }
+    Ok(Ending::Done)
+}
+
+#[derive(Serialize)]
+struct Report {
+    a: String,
+    b: String,
+    scale_b: f64,
+    #[serde(flatten)]
+    difference: Difference,
+}
+
+/// How the luminance of A differs from that of B, over the texels that count.
+#[derive(Debug, Serialize)]
+struct Difference {
+    /// Texels that count.
+    texels: usize,
+    /// Covered texels left out because one of the two is not a finite number.
+    not_finite: usize,
+    /// Sum of A over sum of B.
+    energy_ratio: f64,
+    /// Of |a - b| / b.
+    median_relative_difference: f64,
+    /// Of |a - b| / b: 95 % of the texels are below it.
+    p95_relative_difference: f64,
+    /// Square root of the mean of (a - b)^2.
+    rmse: f64,
+    /// Mean of (a - b)^2 / (b^2 + 0.01 mean^2), where mean is that of B over the covered texels.
+    rel_mse: f64,
+    /// Largest |a - b|.
+    largest_difference: f64,
+    /// Column and row of it.
+    largest_at: [usize; 2],
+}
+
+impl Difference {
+    /// `None` where no texel counts. Both are `[texel]`, row-major, of the same length; B is multiplied by `scale_b`.
+    fn new(a: &[[f32; 4]], b: &[[f32; 4]], scale_b: f64, width: u32) -> Option<Self> {
+        let covered = a.iter().zip(b).enumerate().filter(|(_, (a, b))| a[3] > 0.5 && b[3] > 0.5);
+        let pairs: Vec<(usize, f64, f64)> =
+            covered.map(|(texel, (a, b))| (texel, luminance(*a), luminance(*b) * scale_b)).collect();
+        let (mut counting, broken): (Vec<_>, Vec<_>) =
+            pairs.into_iter().partition(|(_, a, b)| a.is_finite() && b.is_finite());
+        let mean = counting.iter().map(|(_, _, b)| b).sum::<f64>() / counting.len() as f64;
+        counting.retain(|(_, _, b)| *b > DARK * mean);
+        let count = counting.len() as f64;
+        let floor = RELATIVE_MSE_FLOOR * mean * mean;
+        let mean_of =
+            |value: &dyn Fn(f64, f64) -> f64| counting.iter().map(|(_, a, b)| value(*a, *b)).sum::<f64>() / count;
+        let mut relative: Vec<f64> = counting.iter().map(|(_, a, b)| (a - b).abs() / b).collect();
+        relative.sort_unstable_by(f64::total_cmp);
+        let (texel, largest) = counting
+            .iter()
+            .map(|(texel, a, b)| (*texel, (a - b).abs()))
+            .max_by(|one, other| one.1.total_cmp(&other.1))?;
+        Some(Self {
+            texels: counting.len(),
+            not_finite: broken.len(),
+            energy_ratio: mean_of(&|a, _| a) / mean_of(&|_, b| b),
+            median_relative_difference: quantile(&relative, 0.5),
+            p95_relative_difference: quantile(&relative, 0.95),
+            rmse: mean_of(&|a, b| (a - b).powi(2)).sqrt(),
+            rel_mse: mean_of(&|a, b| (a - b).powi(2) / (b * b + floor)),
+            largest_difference: largest,
+            largest_at: [texel % width as usize, texel / width as usize],
+        })
+    }
+
+    fn text(&self) -> String {
+        let percent = |value: f64| 100.0 * value;
+        let [x, y] = self.largest_at;
+        let mut lines = vec![
+            format!("texels                      {}", self.texels),
+            format!("energy ratio                {:.5}", self.energy_ratio),
+            format!("median relative difference  {:.3} %", percent(self.median_relative_difference)),
+            format!("95th percentile             {:.3} %", percent(self.p95_relative_difference)),
+            format!("RMSE                        {:.6e}", self.rmse),
+            format!("relMSE                      {:.6e}", self.rel_mse),
+            format!("largest difference          {:.6e} at column {x}, row {y}", self.largest_difference),
+        ];
+        if self.not_finite > 0 {
+            lines.push(format!("not finite, left out        {}", self.not_finite));
+        }
+        lines.push(String::new());
+        lines.join("\n")
+    }
+}
+
+/// Of sorted values, linear between them; at least one.
+fn quantile(sorted: &[f64], share: f64) -> f64 {
+    let position = share * (sorted.len() - 1) as f64;
+    let (below, above) = (position.floor() as usize, position.ceil() as usize);
+    sorted[below] + (sorted[above] - sorted[below]) * position.fract()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn grey(value: f32, alpha: f32) -> [f32; 4] {
+        [value, value, value, alpha]
+    }
+
+    fn close(found: f64, expected: f64) {
+        assert!((found - expected).abs() < 1e-6, "{found} for {expected}");
+    }
+
+    #[test]
+    fn figures_are_those_of_the_texels_that_count() {
+        // Counts: the first three. Then dark, uncovered in either, not finite.
+        let b = [
+            grey(1.0, 1.0),
+            grey(2.0, 1.0),
+            grey(1.0, 1.0),
+            grey(0.001, 1.0),
+            grey(9.0, 0.0),
+            grey(9.0, 1.0),
+            grey(1.0, 1.0),
+        ];
+        let a = [
+            grey(2.2, 1.0),
+            grey(4.0, 1.0),
+            grey(1.0, 1.0),
+            grey(5.0, 1.0),
+            grey(9.0, 1.0),
+            grey(9.0, 0.0),
+            grey(f32::NAN, 1.0),
+        ];
+        let found = Difference::new(&a, &b, 2.0, 4).expect("texels count");
+        assert_eq!((found.texels, found.not_finite, found.largest_at), (3, 1, [2, 0]));
+        close(found.energy_ratio, 7.2 / 8.0);
+        close(found.median_relative_difference, 0.1);
+        close(found.p95_relative_difference, 0.1 + 0.9 * 0.4);
+        close(found.rmse, ((0.04_f64 + 1.0) / 3.0).sqrt());
+        let mean = (2.0 + 4.0 + 2.0 + 0.002) / 4.0;
+        let floor = 0.01 * mean * mean;
+        close(found.rel_mse, (0.04 / (4.0 + floor) + 1.0 / (4.0 + floor)) / 3.0);
+        close(found.largest_difference, 1.0);
+    }
+
+    #[test]
+    fn nothing_that_counts_is_no_comparison() {
+        assert!(Difference::new(&[grey(1.0, 1.0)], &[grey(0.0, 1.0)], 1.0, 1).is_none());
+        assert!(Difference::new(&[], &[], 1.0, 1).is_none());
+    }
+}

@@ -1,0 +1,27 @@
+//! Ctrl-C, SIGTERM and SIGHUP: once to stop and keep what is there, twice to end at once.
+
+use crate::messages;
+use lightoven::{Error, ErrorKind, Result};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// What a shell expects of a command that an interrupt ended: 128 + SIGINT.
+pub(crate) const EXIT_CODE: u8 = 130;
+
+static REQUESTED: AtomicBool = AtomicBool::new(false);
+
+/// Takes over the signals.
+pub(crate) fn install() -> Result<()> {
+    let handler = || {
+        if REQUESTED.swap(true, Ordering::SeqCst) {
+            std::process::exit(i32::from(EXIT_CODE));
+        }
+        messages::line("interrupted: writing what is there; once more to end at once");
+    };
+    ctrlc::set_handler(handler)
+        .map_err(|error| Error::new(ErrorKind::Unsupported, "cannot listen for Ctrl-C").with_source(error))
+}
+
+/// Whether the first one has come.
+pub(crate) fn requested() -> bool {
+    REQUESTED.load(Ordering::SeqCst)
+}

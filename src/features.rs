@@ -1,0 +1,55 @@
+//! What a scene needs: what it does not need is not run, not built and not allocated.
+
+use crate::scene::{Scene, Sidedness, Sky};
+
+bitflags::bitflags! {
+    /// What a scene needs, as the shaders' specialisation constant has it (`glsl/include/layout.glsl`).
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+    pub struct Features: u32 {
+        /// A top level over more than one instance.
+        const INSTANCES = 1;
+        /// Some surface is black from behind.
+        const SINGLE_SIDED = 1 << 1;
+        /// Some triangle has no place in the light map.
+        const UNMAPPED = 1 << 2;
+        /// The sky has the same radiance everywhere.
+        const SKY_CONSTANT = 1 << 3;
+        /// The sky is a map.
+        const SKY_MAP = 1 << 4;
+        /// There are analytic lights.
+        const LIGHTS = 1 << 5;
+        /// Some mapped surface has a texture.
+        const TEXTURES = 1 << 6;
+    }
+}
+
+impl Features {
+    /// What `scene` needs.
+    pub fn required(scene: &Scene) -> Self {
+        let materials = || scene.materials().iter();
+        let meshes = || scene.instances().iter().map(|instance| &scene.meshes()[instance.mesh]);
+        let mut features = Self::empty();
+        features.set(Self::INSTANCES, scene.instances().len() != 1);
+        features.set(Self::SINGLE_SIDED, materials().any(|material| material.sidedness == Sidedness::Single));
+        features.set(Self::UNMAPPED, meshes().any(|mesh| mesh.light_map_uvs().iter().any(Option::is_none)));
+        features
+            .set(Self::SKY_CONSTANT, matches!(scene.sky(), Sky::Constant(radiance) if radiance.max_element() > 0.0));
+        features.set(Self::SKY_MAP, matches!(scene.sky(), Sky::Map(_)));
+        features.set(Self::LIGHTS, scene.lights().iter().any(|light| light.intensity.max_element() > 0.0));
+        features.set(Self::TEXTURES, meshes().any(|mesh| !mesh.albedo_uvs().is_empty()));
+        features
+    }
+
+    /// What the scene does without, in words.
+    pub fn left_out(self) -> Vec<&'static str> {
+        let words = [
+            (Self::INSTANCES, "one instance: no top level of the hierarchy"),
+            (Self::SINGLE_SIDED, "no single-sided surface: no back-face tests"),
+            (Self::UNMAPPED, "every triangle has light-map coordinates: no look-up of unmapped ones"),
+            (Self::SKY_CONSTANT | Self::SKY_MAP, "no sky"),
+            (Self::LIGHTS, "no analytic lights: no direct pass and no map for it"),
+            (Self::TEXTURES, "no textures"),
+        ];
+        words.into_iter().filter(|(bit, _)| !self.intersects(*bit)).map(|(_, words)| words).collect()
+    }
+}

@@ -1,0 +1,90 @@
+//! The passes, one file each, of the same name as its shader.
+
+mod bake;
+mod dilate;
+mod direct;
+mod gbuffer;
+mod maps;
+mod primitives;
+mod resolve;
+mod scene;
+mod settle;
+mod source;
+mod textures;
+mod trace;
+
+pub(crate) use bake::Bake;
+pub(crate) use dilate::Dilate;
+pub(crate) use direct::Direct;
+pub(crate) use gbuffer::Gbuffer;
+pub(crate) use maps::Maps;
+pub(crate) use resolve::{Resolve, ResolveSums};
+pub(crate) use scene::DeviceScene;
+pub(crate) use settle::Settle;
+pub(crate) use source::{Source, SourceSums};
+pub(crate) use trace::Trace;
+
+use crate::error::Result;
+use crate::gpu::layout::{GROUP, Push};
+use crate::gpu::{Buffer, BufferDesc, Commands, Constants, Gpu, Location};
+use ash::vk;
+
+/// What every pass is made from.
+#[derive(Clone, Copy)]
+pub(crate) struct Context<'a> {
+    pub(crate) gpu: &'a Gpu,
+    pub(crate) constants: Constants,
+    pub(crate) scene: &'a DeviceScene,
+    pub(crate) maps: &'a Maps,
+}
+
+/// The texels that are baked.
+pub(crate) struct TexelList {
+    pub(crate) buffer: Buffer,
+    pub(crate) count: u32,
+    /// One `vec4` a work group, for the host to read.
+    pub(crate) sums: Buffer,
+}
+
+/// Side of the blocks that the list goes through the map in: neighbours then share a work group.
+const BLOCK: usize = 8;
+
+impl TexelList {
+    /// Lists the texels for which `wanted` (`[texel]`, row-major) is true.
+    pub(crate) fn new(
+        gpu: &Gpu,
+        commands: &mut Commands,
+        size: [u32; 2],
+        wanted: impl Fn(usize) -> bool,
+    ) -> Result<Self> {
+        let (width, height) = (size[0] as usize, size[1] as usize);
+        let mut texels = Vec::new();
+        for y0 in (0..height).step_by(BLOCK) {
+            for x0 in (0..width).step_by(BLOCK) {
+                for y in y0..(y0 + BLOCK).min(height) {
+                    let row = (x0..(x0 + BLOCK).min(width)).filter(|x| wanted(y * width + x));
+                    texels.extend(row.map(|x| x as u32 | (y as u32) << 16));
+                }
+            }
+        }
+        let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
+        let size = size_of_val(texels.as_slice()) as u64;
+        let desc = BufferDesc { name: "texels", size, usage: storage, location: Location::Device };
+        let count = texels.len() as u32;
+        let size = u64::from(count.div_ceil(GROUP)) * 16;
+        let sums = Buffer::new(gpu, BufferDesc { name: "sums", size, usage: storage, location: Location::ReadBack })?;
+        Ok(Self { buffer: commands.upload(desc, &texels)?, count, sums })
+    }
+
+    /// What the work groups of a pass over the whole list summed up, in f64, in order.
+    pub(crate) fn read_sums(&self) -> Vec<[f64; 4]> {
+        let groups = self.count.div_ceil(GROUP) as usize;
+        let sums: Vec<[f32; 4]> = bytemuck::pod_collect_to_vec(&self.sums.bytes()[..groups * 16]);
+        sums.into_iter().map(|sum| sum.map(f64::from)).collect()
+    }
+}
+
+/// Work groups of a pass over texels of the list; one at least, which has nothing to do where there are none.
+fn groups_of(push: &Push) -> [u32; 2] {
+    [push.texel_count.div_ceil(GROUP).max(1), 1]
+}

@@ -1,0 +1,128 @@
+//! Per-triangle data in the hierarchy's order, as the shaders read it.
+
+use crate::bvh::Bvh;
+use crate::gpu::layout::{Material, Primitive, Texcoords};
+use crate::scene::{Mesh, Scene, Sidedness};
+use glam::{DMat3, Vec2, Vec3};
+
+/// What the device needs of triangles and materials.
+pub(super) struct Encoded {
+    /// `[primitive]`.
+    pub(super) primitives: Vec<Primitive>,
+    /// `[primitive]`, empty when nothing is textured.
+    pub(super) texcoords: Vec<Texcoords>,
+    /// The scene's materials, then one for each unmapped triangle with a textured emission.
+    pub(super) materials: Vec<Material>,
+}
+
+pub(super) fn encode(scene: &Scene, bvh: &Bvh) -> Encoded {
+    let material = |m: &crate::scene::Material| Material {
+        albedo: m.albedo.into(),
+        pad0: 0,
+        emission: m.emission.into(),
+        pad1: 0,
+    };
+    let textured = scene.meshes().iter().any(|mesh| !mesh.albedo_uvs().is_empty());
+    let mut encoded = Encoded {
+        primitives: vec![bytemuck::Zeroable::zeroed(); bvh.triangles.len()],
+        texcoords: vec![bytemuck::Zeroable::zeroed(); if textured { bvh.triangles.len() } else { 0 }],
+        materials: scene.materials().iter().map(material).collect(),
+    };
+    for ((mesh, range), order) in scene.meshes().iter().zip(&bvh.meshes).zip(&bvh.order) {
+        for (slot, triangle) in order.iter().enumerate() {
+            let index = range.first_primitive as usize + slot;
+            encoded.primitives[index] = encoded.primitive(scene, bvh, mesh, *triangle as usize);
+            if !mesh.albedo_uvs().is_empty() {
+                let corners = |uvs: &[[Vec2; 3]]| bvh.corners().map(|c| uvs[*triangle as usize][c].into());
+                let (albedo, emission) = (corners(mesh.albedo_uvs()), corners(mesh.emission_uvs()));
+                encoded.texcoords[index] = Texcoords { albedo, emission };
+            }
+        }
+    }
+    encoded
+}
+
+impl Encoded {
+    fn primitive(&mut self, scene: &Scene, bvh: &Bvh, mesh: &Mesh, triangle: usize) -> Primitive {
+        let material = mesh.materials()[triangle];
+        let uvs = mesh.light_map_uvs()[triangle];
+        let double = scene.materials()[material as usize].sidedness == Sidedness::Double;
+        let mut flags = if double { Primitive::DOUBLE_SIDED } else { 0 };
+        flags |= if uvs.is_some() { Primitive::MAPPED } else { 0 };
+        let corners = bvh.corners();
+        let to_world = bvh.baked_transform.map(|transform| transform.matrix3.inverse().transpose());
+        let normals = mesh.normals()[triangle];
+        Primitive {
+            uvs: corners.map(|c| uvs.unwrap_or_default()[c].into()),
+            normals: corners.map(|c| octahedral(world_normal(normals[c], to_world))),
+            material: self.radiating_material(scene, mesh, triangle, uvs.is_none()),
+            flags,
+            pad: 0,
+        }
+    }
+
+    /// The material, or for an unmapped triangle with a textured emission one of its own that holds the mean: a hit on it
+    /// has no texel to read.
+    fn radiating_material(&mut self, scene: &Scene, mesh: &Mesh, triangle: usize, unmapped: bool) -> u32 {
+        let index = mesh.materials()[triangle];
+        let material = &scene.materials()[index as usize];
+        let Some(texture) = material.emission_texture.filter(|_| unmapped && material.is_emissive()) else {
+            return index;
+        };
+        let uvs = mesh.emission_uvs()[triangle];
+        let mean = mean_over(&scene.textures()[texture.texture], texture.wrap, uvs);
+        let emission = (material.emission * mean).into();
+        self.materials.push(Material { albedo: [0.0; 3], pad0: 0, emission, pad1: 0 });
+        self.materials.len() as u32 - 1
+    }
+}
+
+fn world_normal(normal: Vec3, to_world: Option<DMat3>) -> Vec3 {
+    to_world.map_or(normal, |matrix| (matrix * normal.as_dvec3()).normalize_or(normal.as_dvec3()).as_vec3())
+}
+
+/// A unit vector as two snorm16. Cigolle et al., "A Survey of Efficient Representations for Independent Unit Vectors",
+/// JCGT 3(2), 2014.
+fn octahedral(n: Vec3) -> u32 {
+    let p = Vec2::new(n.x, n.y) / (n.x.abs() + n.y.abs() + n.z.abs());
+    let sign = |v: f32| if v >= 0.0 { 1.0 } else { -1.0 };
+    let p = if n.z < 0.0 { Vec2::new((1.0 - p.y.abs()) * sign(p.x), (1.0 - p.x.abs()) * sign(p.y)) } else { p };
+    let snorm = |v: f32| u32::from((v.clamp(-1.0, 1.0) * 32767.0).round() as i16 as u16);
+    snorm(p.x) | snorm(p.y) << 16
+}
+
+/// Points along a side of the grid that a triangle's mean is taken over.
+const MEAN_SIDE: usize = 16;
+
+/// Mean linear colour of a texture over a triangle of its coordinates.
+fn mean_over(texture: &crate::scene::Texture, wrap: [crate::scene::Wrap; 2], uvs: [Vec2; 3]) -> Vec3 {
+    let mut sum = Vec3::ZERO;
+    for i in 0..MEAN_SIDE * MEAN_SIDE {
+        let side = MEAN_SIDE as f32;
+        let (mut b1, mut b2) = (((i % MEAN_SIDE) as f32 + 0.5) / side, ((i / MEAN_SIDE) as f32 + 0.5) / side);
+        if b1 + b2 > 1.0 {
+            (b1, b2) = (1.0 - b1, 1.0 - b2);
+        }
+        sum += texture.linear(wrap, uvs[0] + (uvs[1] - uvs[0]) * b1 + (uvs[2] - uvs[0]) * b2);
+    }
+    sum / (MEAN_SIDE * MEAN_SIDE) as f32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn octahedral_codes_are_within_an_ulp() {
+        for n in [Vec3::X, -Vec3::Z, Vec3::new(1.0, -2.0, -3.0).normalize(), Vec3::new(-0.1, 0.2, 0.9).normalize()] {
+            let code = octahedral(n);
+            let snorm = |bits: u32| f32::from(bits as u16 as i16) / 32767.0;
+            let e = Vec2::new(snorm(code & 0xffff), snorm(code >> 16));
+            let mut d = e.extend(1.0 - e.x.abs() - e.y.abs());
+            if d.z < 0.0 {
+                (d.x, d.y) = ((1.0 - e.y.abs()) * e.x.signum(), (1.0 - e.x.abs()) * e.y.signum());
+            }
+            assert!(d.normalize().distance(n) < 1e-4, "{n} became {d}");
+        }
+    }
+}

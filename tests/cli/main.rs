@@ -1,0 +1,7 @@
+//! The command line tool, run as a user runs it.
+
+mod bad_input;
+mod bake;
+mod compare;
+mod support;
+mod usage;
