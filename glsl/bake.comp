@@ -24,7 +24,7 @@ vec2 choose_point(Surface s, vec4 sides, uint texel, uint sample_index, vec2 u) 
         if (on_triangle(s, p)) return p;
         u = random4(texel, sample_index, attempt).xy;
     }
-    return s.centre;
+    return s.start;
 }
 
 vec3 on_hit(Hit hit) {

@@ -11,7 +11,7 @@ layout(set = 0, binding = 16, rgba32f) writeonly uniform image2D direct_image;
 
 // Whether a point of the footprint sees the light.
 bool sees(Surface s, vec2 at, Light light) {
-    vec3 point = point_at(s, on_triangle(s, at) ? at : s.centre);
+    vec3 point = point_at(s, on_triangle(s, at) ? at : s.start);
     // The direction and distance of this very point, from the offset origin, so that a near light is not overshot.
     Ray ray = ray_from(s, point, vec3(0.0), 1e30);
     Incident incident = incident_of(light, ray.origin, s.normal);

@@ -54,7 +54,7 @@ float back_share(Surface s, uint key, uint side) {
     uint count = 0u;
     for (uint i = 0u; i < side * side; ++i) {
         vec3 direction = frame * cosine_direction(stratified(i, side, random4(key, i, side).xy));
-        count += uint(shows_back(trace_closest(ray_from(s, point_at(s, s.centre), direction, 1e30))));
+        count += uint(shows_back(trace_closest(ray_from(s, point_at(s, s.start), direction, 1e30))));
     }
     return float(count) / float(side * side);
 }
@@ -69,19 +69,19 @@ void main() {
     }
     Surface s = surface_of(texel, g);
     if (SINGLE_SIDED) {
-        s.centre = move_out(s, s.centre);
+        s.start = move_out(s, s.start);
         uint key = texel.x | texel.y << 16u;
         if (back_share(s, key, 2u) > 0.0 && back_share(s, key, 5u) > 0.5) {
             imageStore(footprint_image, ivec2(texel), uvec4(NO_FOOTPRINT));
             return;
         }
     }
-    vec2 lo = min(vec2(0.0), s.centre), hi = max(vec2(1.0), s.centre);
-    vec4 way = vec4(lo - s.centre, hi - s.centre);
+    vec2 lo = min(vec2(0.0), s.start), hi = max(vec2(1.0), s.start);
+    vec4 way = vec4(lo - s.start, hi - s.start);
     vec4 sides;
-    sides.x = s.centre.x + way.x * reach(s, s.centre, vec2(way.x, 0.0));
-    sides.y = s.centre.y + way.y * reach(s, s.centre, vec2(0.0, way.y));
-    sides.z = s.centre.x + way.z * reach(s, s.centre, vec2(way.z, 0.0));
-    sides.w = s.centre.y + way.w * reach(s, s.centre, vec2(0.0, way.w));
+    sides.x = s.start.x + way.x * reach(s, s.start, vec2(way.x, 0.0));
+    sides.y = s.start.y + way.y * reach(s, s.start, vec2(0.0, way.y));
+    sides.z = s.start.x + way.z * reach(s, s.start, vec2(way.z, 0.0));
+    sides.w = s.start.y + way.w * reach(s, s.start, vec2(0.0, way.w));
     imageStore(footprint_image, ivec2(texel), uvec4(pack_footprint(sides)));
 }

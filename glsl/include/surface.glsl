@@ -33,7 +33,22 @@ struct Surface {
     vec2 barycentric_du;
     vec2 barycentric_dv;
     vec2 centre;            // the point of the triangle nearest to the texel's centre
+    vec2 start;             // the same, but off the triangle's edge, where a ray could slip past the next wall
 };
+
+// Texels from an edge at which a ray may start, and how far into the triangle it starts where it is nearer.
+const float EDGE = 0.02;
+const float INSET = 0.25;
+
+// `t1`, `t2`: corners 1 and 2 in texels from corner 0; `b`: their barycentrics, and what becomes of them.
+vec2 off_the_edge(vec2 t1, vec2 t2, vec2 b) {
+    float area = abs(t1.x * t2.y - t1.y * t2.x);
+    vec3 heights = area / vec3(length(t2 - t1), length(t2), length(t1));
+    vec3 distances = vec3(1.0 - b.x - b.y, b) * heights;
+    if (min(distances.x, min(distances.y, distances.z)) >= EDGE) return b;
+    vec2 inward = vec2(1.0 / 3.0) - b;
+    return b + inward * min(0.5, INSET / max(length(t1 * inward.x + t2 * inward.y), 1e-20));
+}
 
 Surface surface_of(uvec2 texel, uvec4 g) {
     Surface s;
@@ -55,6 +70,8 @@ Surface surface_of(uvec2 texel, uvec4 g) {
     s.dv = e1 * s.barycentric_dv.x + e2 * s.barycentric_dv.y;
     s.origin = v0 + e1 * s.barycentric_origin.x + e2 * s.barycentric_origin.y;
     s.centre = t0 + t1 * b.x + t2 * b.y - vec2(texel);
+    vec2 inner = off_the_edge(t1, t2, b);
+    s.start = t0 + t1 * inner.x + t2 * inner.y - vec2(texel);
     // Of the object's own front: in world space a mirrored transform would turn it round.
     vec3 o0 = triangles[s.primitive].corners[0].xyz;
     vec3 n = cross(triangles[s.primitive].corners[1].xyz - o0, triangles[s.primitive].corners[2].xyz - o0);
