@@ -115,6 +115,11 @@ impl Baker {
         };
         let outcome = self.run(&mut state, stop, clock, progress);
         let resolved = self.resolve(&mut state);
+        self.statistics.bounces_missing = state.epochs.missing() as f32;
+        if state.epoch == Epoch::Bounce && self.texels.count > 0 {
+            let percent = 100.0 * state.epochs.missing();
+            self.statistics.warn(format!("the bounces have not converged: {percent:.2} % of the light is missing"));
+        }
         self.state = Some(state);
         outcome.and_then(|outcome| resolved.map(|()| outcome))
     }

@@ -103,6 +103,8 @@ pub struct Statistics {
     pub mrays_per_s: f64,
     /// Root of relMSE as the half buffers tell it; `None` before there are two halves.
     pub estimated_error: Option<f32>,
+    /// Bound on what further bounces would add, relative to the mean radiance; infinite before two bounces are done.
+    pub bounces_missing: f32,
     /// Wall time by what it went into.
     pub seconds: Seconds,
     /// What was noticed, one sentence each.

@@ -133,6 +133,6 @@ pub(crate) fn create_device(owned: OwnedInstance, index: usize, backend: Backend
     let queue = unsafe { device.get_device_queue(queue_family, 0) };
     let debug_utils = owned.messenger.is_some();
     let instance = owned.instance.clone();
-    let owner = Owner { device: device.clone(), instance: owned };
+    let owner = Owner { device: device.clone(), _instance: owned };
     Gpu::owned(RawDevice { instance, physical_device, device, queue, queue_family, backend, debug_utils }, owner)
 }

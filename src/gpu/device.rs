@@ -80,7 +80,8 @@ pub(super) struct Inner {
 /// An instance and a device of our own, destroyed with the last clone of the [`Gpu`].
 pub(crate) struct Owner {
     pub(crate) device: ash::Device,
-    pub(crate) instance: OwnedInstance,
+    /// Goes after the device.
+    pub(crate) _instance: OwnedInstance,
 }
 
 /// An instance of our own, with its messenger.

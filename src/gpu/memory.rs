@@ -74,10 +74,6 @@ impl Buffer {
         Ok(buffer)
     }
 
-    pub(crate) fn size(&self) -> u64 {
-        self.size
-    }
-
     /// Copies `data` to the start of a buffer that the host writes.
     pub(crate) fn write<T: bytemuck::Pod>(&mut self, data: &[T]) {
         let bytes: &[u8] = bytemuck::cast_slice(data);

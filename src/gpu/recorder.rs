@@ -70,7 +70,7 @@ impl<'a> Recorder<'a> {
 
     /// Brings new images into the layout that they live in, filled with zeros.
     pub(crate) fn initialise(&mut self, images: &[&Image]) {
-        let transfer = vk::PipelineStageFlags2::ALL_TRANSFER;
+        let transfer = PassKind::Transfer.stages();
         let to_general = |image: &&Image| {
             vk::ImageMemoryBarrier2::default()
                 .src_stage_mask(vk::PipelineStageFlags2::ALL_COMMANDS)
@@ -87,7 +87,7 @@ impl<'a> Recorder<'a> {
 
     /// Fills images with zeros.
     pub(crate) fn clear(&mut self, images: &[&Image]) {
-        self.barrier(vk::PipelineStageFlags2::ALL_TRANSFER, &[]);
+        self.barrier(PassKind::Transfer.stages(), &[]);
         images.iter().for_each(|image| self.fill(image));
     }
 
@@ -101,14 +101,14 @@ impl<'a> Recorder<'a> {
     /// Copies a whole buffer.
     pub(crate) fn copy_buffer(&mut self, from: &Buffer, to: &Buffer, size: u64) {
         let region = [vk::BufferCopy { src_offset: 0, dst_offset: 0, size }];
-        self.barrier(vk::PipelineStageFlags2::ALL_TRANSFER, &[]);
+        self.barrier(PassKind::Transfer.stages(), &[]);
         // SAFETY: both buffers hold at least `size` bytes and were made for transfers.
         unsafe { self.gpu.device().cmd_copy_buffer(self.commands, from.handle, to.handle, &region) };
     }
 
     /// Copies pixels into an image's first mip level.
     pub(crate) fn copy_to_image(&mut self, from: &Buffer, to: &Image) {
-        self.barrier(vk::PipelineStageFlags2::ALL_TRANSFER, &[]);
+        self.barrier(PassKind::Transfer.stages(), &[]);
         let (layout, region) = (vk::ImageLayout::GENERAL, [whole(to)]);
         // SAFETY: the buffer holds the image's pixels tightly packed, and both were made for transfers.
         unsafe { self.gpu.device().cmd_copy_buffer_to_image(self.commands, from.handle, to.handle, layout, &region) };
@@ -116,7 +116,7 @@ impl<'a> Recorder<'a> {
 
     /// Copies an image's first mip level for the host to read.
     pub(crate) fn copy_from_image(&mut self, from: &Image, to: &Buffer) {
-        self.barrier(vk::PipelineStageFlags2::ALL_TRANSFER, &[]);
+        self.barrier(PassKind::Transfer.stages(), &[]);
         let (layout, region) = (vk::ImageLayout::GENERAL, [whole(from)]);
         // SAFETY: the buffer has room for the image's pixels, and both were made for transfers.
         unsafe { self.gpu.device().cmd_copy_image_to_buffer(self.commands, from.handle, layout, to.handle, &region) };
@@ -136,7 +136,7 @@ impl<'a> Recorder<'a> {
             layer_count: 1,
         };
         for level in 1..image.mip_levels {
-            self.barrier(vk::PipelineStageFlags2::ALL_TRANSFER, &[]);
+            self.barrier(PassKind::Transfer.stages(), &[]);
             let region = [vk::ImageBlit {
                 src_subresource: layers(level - 1),
                 src_offsets: corners(level - 1),

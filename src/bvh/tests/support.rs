@@ -96,7 +96,13 @@ pub(super) fn scene(soups: &[Soup], placed: &[(usize, DAffine3)]) -> Scene {
 
 pub(super) fn atlas(scene: &Scene) -> Atlas {
     let rect = AtlasRect { scale: Vec2::ONE, offset: Vec2::ZERO };
-    Atlas { size: UVec2::ONE, rects: vec![rect; scene.instances().len()], shared: true, overlapping_texels: 0 }
+    Atlas {
+        size: UVec2::ONE,
+        rects: vec![rect; scene.instances().len()],
+        shared: true,
+        covered_texels: 1,
+        overlapping_texels: 0,
+    }
 }
 
 pub(super) fn bvh_of(scene: &Scene) -> Bvh {
