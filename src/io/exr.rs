@@ -3,7 +3,7 @@
 use super::write_beside;
 use crate::baker::LightMap;
 use crate::error::{Error, ErrorKind, Result};
-use crate::scene::SkyMap;
+use crate::scene::{SkyMap, decode_srgb};
 use exr::prelude as rs;
 use exr::prelude::{ReadChannels, ReadLayers, WritableImage};
 use glam::Vec3;
@@ -81,10 +81,13 @@ pub fn write_light_map(path: &Path, light_map: &LightMap, metadata: &Metadata) -
 /// Reads the first RGB layer: width, height, and RGBA `[pixel]`, row-major from the top. Channels of any type are
 /// converted to f32; a missing A is 1. A data window smaller than the display window is what is read.
 ///
+/// R, G and B come out linear. A header whose attribute `colorInteropID` is `srgb_rec709_display` says that they are
+/// sRGB-encoded (Blender 5 saves bakes so when told to encode them for display): they are decoded, which a warning says.
+///
 /// # Errors
 /// `Io`, naming the path: no such file, not an EXR, damaged, larger than 2^28 pixels, or without R, G and B.
 pub fn read_image(path: &Path) -> Result<(u32, u32, Vec<[f32; 4]>)> {
-    check_header(path)?;
+    let encoding = check_header(path)?;
     let file = open(path)?;
     let image = rs::read()
         .no_deep_data()
@@ -100,8 +103,52 @@ pub fn read_image(path: &Path) -> Result<(u32, u32, Vec<[f32; 4]>)> {
         .from_buffered(std::io::BufReader::new(file))
         .map_err(|error| failed("read", path, error))?;
     let size = image.layer_data.size;
+    let mut pixels = image.layer_data.channel_data.pixels.1;
+    encoding.decode(&mut pixels);
     // `check_header` keeps both far below 2^32.
-    Ok((size.width() as u32, size.height() as u32, image.layer_data.channel_data.pixels.1))
+    Ok((size.width() as u32, size.height() as u32, pixels))
+}
+
+/// What R, G and B hold.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum ColourEncoding {
+    Linear,
+    /// IEC 61966-2-1.
+    Srgb,
+}
+
+impl ColourEncoding {
+    /// As the header says by an identifier of the Color Interop Forum; without one an EXR is linear.
+    fn of(header: &exr::meta::header::Header, path: &Path) -> Self {
+        let name = text("colorInteropID");
+        let attributes = [&header.own_attributes.other, &header.shared_attributes.other];
+        let Some(value) = attributes.into_iter().find_map(|other| other.get(&name)) else { return Self::Linear };
+        let identifier = match value {
+            rs::AttributeValue::Text(value) => value.to_string(),
+            _ => "not a text".into(),
+        };
+        let path = path.display();
+        match identifier.as_str() {
+            "lin_rec709_scene" | "data" => Self::Linear,
+            "srgb_rec709_display" => {
+                tracing::warn!("'{path}' is sRGB-encoded, as its colorInteropID {identifier} says: it is decoded");
+                Self::Srgb
+            }
+            _ => {
+                tracing::warn!("the colorInteropID of '{path}', {identifier}, is not known: it is read as linear");
+                Self::Linear
+            }
+        }
+    }
+
+    /// Makes R, G and B linear; what is below 0 is mirrored, as extended sRGB has it.
+    fn decode(self, pixels: &mut [[f32; 4]]) {
+        if self == Self::Srgb {
+            for channel in pixels.iter_mut().flat_map(|pixel| &mut pixel[..3]) {
+                *channel = decode_srgb(channel.abs()).copysign(*channel);
+            }
+        }
+    }
 }
 
 /// Reads an equirectangular sky. Its values are checked when it is made a scene's sky.
@@ -113,8 +160,9 @@ pub fn read_sky(path: &Path) -> Result<SkyMap> {
     Ok(SkyMap { width, height, pixels: pixels.into_iter().map(|[r, g, b, _]| Vec3::new(r, g, b)).collect() })
 }
 
-/// Rejects what the reader would allocate without a limit, or describe without the names that matter.
-fn check_header(path: &Path) -> Result<()> {
+/// Rejects what the reader would allocate without a limit, or describe without the names that matter. Tells how the
+/// layer that is read is encoded.
+fn check_header(path: &Path) -> Result<ColourEncoding> {
     let file = std::io::BufReader::new(open(path)?);
     let meta = exr::meta::MetaData::read_from_buffered(file, false).map_err(|error| failed("read", path, error))?;
     let unusable = |why: String| Err(Error::new(ErrorKind::Io, format!("cannot read '{}': {why}", path.display())));
@@ -124,8 +172,8 @@ fn check_header(path: &Path) -> Result<()> {
     }
     let has =
         |header: &exr::meta::header::Header, name: &str| header.channels.find_index_of_channel(&text(name)).is_some();
-    if meta.headers.iter().any(|header| ["R", "G", "B"].iter().all(|name| has(header, name))) {
-        return Ok(());
+    if let Some(header) = meta.headers.iter().find(|header| ["R", "G", "B"].iter().all(|name| has(header, name))) {
+        return Ok(ColourEncoding::of(header, path));
     }
     let names: Vec<String> =
         meta.headers.iter().flat_map(|header| &header.channels.list).map(|channel| channel.name.to_string()).collect();
@@ -199,6 +247,40 @@ mod tests {
         assert_eq!(pixels, [[0.5, 0.0, 2.5, 1.0], [0.5, 1.0, 2.5, 1.0], [0.5, 0.0, 2.5, 1.0], [0.5, 1.0, 2.5, 1.0]]);
         let sky = read_sky(&path).expect("can be read");
         assert_eq!((sky.width, sky.height, sky.pixels[1]), (2, 2, Vec3::new(0.5, 1.0, 2.5)));
+    }
+
+    /// Writes one pixel with this `colorInteropID` and reads it.
+    fn read_identified(identifier: Option<&str>, pixel: [f32; 4]) -> [f32; 4] {
+        let folder = tempfile::tempdir().expect("has room");
+        let path = folder.path().join("in.exr");
+        let [r, g, b, a] = pixel;
+        let channels = rs::SpecificChannels::rgba(|_: rs::Vec2<usize>| (r, g, b, a));
+        let mut image = rs::Image::from_channels((1, 1), channels);
+        if let Some(identifier) = identifier {
+            let value = rs::AttributeValue::Text(text(identifier));
+            image.layer_data.attributes.other.insert(text("colorInteropID"), value);
+        }
+        image.write().to_file(&path).expect("can be written");
+        read_image(&path).expect("can be read").2[0]
+    }
+
+    #[test]
+    fn display_encoded_colours_are_decoded() {
+        // IEC 61966-2-1: the linear part, a mid grey, white; above 1 the curve goes on; below 0 it is mirrored.
+        let found = read_identified(Some("srgb_rec709_display"), [0.02, 0.5, 1.0, 0.5]);
+        let expected = [0.02 / 12.92, 0.214_041_14, 1.0, 0.5];
+        assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-6), "{found:?} for {expected:?}");
+        let found = read_identified(Some("srgb_rec709_display"), [2.0, -0.5, 0.0, 1.0]);
+        let expected = [4.953_846, -0.214_041_14, 0.0, 1.0];
+        assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-5), "{found:?} for {expected:?}");
+    }
+
+    #[test]
+    fn other_colours_are_as_they_are() {
+        let pixel = [0.02, 0.5, 2.0, 0.5];
+        for identifier in [None, Some("lin_rec709_scene"), Some("data"), Some("lin_ap1_scene"), Some("")] {
+            assert_eq!(read_identified(identifier, pixel), pixel, "{identifier:?}");
+        }
     }
 
     #[test]

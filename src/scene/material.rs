@@ -134,8 +134,11 @@ impl Wrap {
     }
 }
 
-/// IEC 61966-2-1.
 fn linear_of_srgb(value: u8) -> f32 {
-    let v = f32::from(value) / 255.0;
-    if v <= 0.04045 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }
+    decode_srgb(f32::from(value) / 255.0)
+}
+
+/// The linear value of an sRGB-encoded one of at least 0 (IEC 61966-2-1, its curve continued above 1).
+pub(crate) fn decode_srgb(value: f32) -> f32 {
+    if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
 }

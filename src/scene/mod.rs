@@ -15,6 +15,8 @@ pub use material::{Material, Sidedness, Texture, TextureUse, Wrap};
 pub use mesh::{Mesh, MeshDesc, MeshPart};
 pub use sky::{Sky, SkyMap};
 
+pub(crate) use material::decode_srgb;
+
 use crate::error::{Error, Result};
 use glam::{DAffine3, DVec3, Vec3};
 
