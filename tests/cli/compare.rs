@@ -31,6 +31,30 @@ fn figures_are_printed_and_reported() {
     assert!((number("rmse") - (0.31_f64 / 7.0).sqrt()).abs() < 1e-6);
     assert!((number("rel_mse") - 0.31 / 7.0 / 1.01).abs() < 1e-6);
     assert!((number("largest_difference") - 0.5).abs() < 1e-6);
+    let ranges = report["by_brightness"].as_array().expect("is a list");
+    assert_eq!(ranges.iter().map(|range| range["texels"].as_u64().expect("is a number")).sum::<u64>(), 7);
+    assert_eq!((&ranges[0]["from"], &ranges[0]["to"]), (&0.01.into(), &0.1.into()));
+    assert!(ranges[0]["energy_ratio"].is_null() && ranges[3]["to"].is_null());
+    assert!((ranges[2]["median_ratio"].as_f64().expect("is a number") - 1.1).abs() < 1e-6);
+    assert!(found.stdout.contains("1.15714       1.10000"), "{found:?}");
+}
+
+/// The encoding that Blender writes is told on stderr, with the file's name.
+#[test]
+fn a_display_encoded_reference_is_decoded_and_said() {
+    use exr::prelude::{AttributeValue, Image, SpecificChannels, Text, Vec2, WritableImage};
+    let folder = Folder::new();
+    let a = image(&folder, "a.exr", |_| 0.214_041_14);
+    let channels = SpecificChannels::rgba(|_: Vec2<usize>| (0.5_f32, 0.5_f32, 0.5_f32, 1.0_f32));
+    let mut b = Image::from_channels((4, 2), channels);
+    let name = Text::new_or_panic("colorInteropID");
+    let value = AttributeValue::Text(Text::new_or_panic("srgb_rec709_display"));
+    b.layer_data.attributes.other.insert(name, value);
+    b.write().to_file(folder.path("b.exr")).expect("can be written");
+    let found = run(["compare", &a, &folder.text("b.exr")]);
+    assert_eq!(found.code, Some(0), "{found:?}");
+    assert!(found.stdout.contains("energy ratio                1.00000"), "{found:?}");
+    assert!(found.stderr.contains("warning: ") && found.stderr.contains("b.exr' is sRGB-encoded"), "{found:?}");
 }
 
 #[test]

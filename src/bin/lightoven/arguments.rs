@@ -101,7 +101,8 @@ pub(crate) struct Info {
 
 /// Measure how far light map A is from a reference B
 ///
-/// Over texels with A > 0.5 in both and a luminance (Rec. 709) in B of more than 1 % of its mean.
+/// Over texels with A > 0.5 in both and a luminance (Rec. 709) in B of more than 1 % of its mean; ratios by brightness
+/// too, in decades of B's mean. A file that says that it is sRGB-encoded (colorInteropID) is decoded.
 #[derive(Debug, Args)]
 pub(crate) struct Compare {
     /// The light map to judge

@@ -13,6 +13,10 @@ const DARK: f64 = 0.01;
 /// Share of the mean luminance, squared, that relMSE adds to its denominator, so that dark texels do not decide it.
 const RELATIVE_MSE_FLOOR: f64 = 0.01;
 
+/// Where one range of brightness ends and the next begins, in means of B: decades, so that a few texels at a lamp's edge
+/// can neither hide nor fake an agreement of all the others.
+const BRIGHTNESS: [f64; 4] = [DARK, 0.1, 1.0, 10.0];
+
 /// Reads both, compares, says how they differ.
 pub(crate) fn run(arguments: &Compare) -> Result<Ending> {
     if let Some(path) = &arguments.report {
@@ -69,6 +73,25 @@ struct Difference {
     largest_difference: f64,
     /// Column and row of it.
     largest_at: [usize; 2],
+    /// Mean of B over the covered texels.
+    mean_b: f64,
+    /// The texels that count, by how bright they are in B.
+    by_brightness: Vec<Brightness>,
+}
+
+/// How A differs from B over texels of like brightness. A noisy B sorts its own outliers into the brightest.
+#[derive(Debug, Serialize)]
+struct Brightness {
+    /// Least luminance of B, as a multiple of `mean_b`.
+    from: f64,
+    /// The luminance that it stays below, likewise; none for the brightest.
+    to: Option<f64>,
+    /// Texels in between.
+    texels: usize,
+    /// Sum of A over sum of B; none without texels.
+    energy_ratio: Option<f64>,
+    /// Median of a / b; none without texels.
+    median_ratio: Option<f64>,
 }
 
 impl Difference {
@@ -101,6 +124,8 @@ impl Difference {
             rel_mse: mean_of(&|a, b| (a - b).powi(2) / (b * b + floor)),
             largest_difference: largest,
             largest_at: [texel % width as usize, texel / width as usize],
+            mean_b: mean,
+            by_brightness: Brightness::table(&counting, mean),
         })
     }
 
@@ -119,8 +144,42 @@ impl Difference {
         if self.not_finite > 0 {
             lines.push(format!("not finite, left out        {}", self.not_finite));
         }
+        lines.push(format!("by brightness of B, in means of {:.6e}", self.mean_b));
+        lines.push("    from       to   texels  energy ratio  median ratio".into());
+        lines.extend(self.by_brightness.iter().map(Brightness::line));
         lines.push(String::new());
         lines.join("\n")
+    }
+}
+
+impl Brightness {
+    /// The texels that count, as position, a and b; `mean` is that of B.
+    fn table(counting: &[(usize, f64, f64)], mean: f64) -> Vec<Self> {
+        let ends = BRIGHTNESS.iter().skip(1).copied().map(Some).chain([None]);
+        BRIGHTNESS.into_iter().zip(ends).map(|(from, to)| Self::new(counting, mean, from, to)).collect()
+    }
+
+    fn new(counting: &[(usize, f64, f64)], mean: f64, from: f64, to: Option<f64>) -> Self {
+        let within = |b: f64| b >= from * mean && to.is_none_or(|to| b < to * mean);
+        let pairs = || counting.iter().filter(|(_, _, b)| within(*b)).map(|(_, a, b)| (*a, *b));
+        let (sum_a, sum_b) = pairs().fold((0.0, 0.0), |sum, (a, b)| (sum.0 + a, sum.1 + b));
+        let mut ratios: Vec<f64> = pairs().map(|(a, b)| a / b).collect();
+        ratios.sort_unstable_by(f64::total_cmp);
+        let texels = ratios.len();
+        Self {
+            from,
+            to,
+            texels,
+            energy_ratio: (texels > 0).then(|| sum_a / sum_b),
+            median_ratio: (texels > 0).then(|| quantile(&ratios, 0.5)),
+        }
+    }
+
+    fn line(&self) -> String {
+        let ratio = |value: Option<f64>| value.map_or("-".into(), |value| format!("{value:.5}"));
+        let to = self.to.map_or("-".into(), |to| to.to_string());
+        let (energy, median) = (ratio(self.energy_ratio), ratio(self.median_ratio));
+        format!("{:>8} {to:>8} {:>8} {energy:>13} {median:>13}", self.from, self.texels)
     }
 }
 
@@ -174,6 +233,28 @@ mod tests {
         let floor = 0.01 * mean * mean;
         close(found.rel_mse, (0.04 / (4.0 + floor) + 1.0 / (4.0 + floor)) / 3.0);
         close(found.largest_difference, 1.0);
+    }
+
+    #[test]
+    fn texels_are_told_apart_by_brightness() {
+        // The mean is 5; the first and the last three do not count.
+        let b = [0.02, 0.1, 0.45, 0.6, 0.6, 1.0, 55.0, 0.0, 0.0, -7.77].map(|b| grey(b, 1.0));
+        let a = [9.0, 0.2, 0.45, 1.2, 1.8, 1.0, 44.0, 1.0, 1.0, 1.0].map(|a| grey(a, 1.0));
+        let found = Difference::new(&a, &b, 1.0, 5).expect("texels count");
+        close(found.mean_b, 5.0);
+        let ranges: Vec<_> = found.by_brightness.iter().map(|range| (range.from, range.to, range.texels)).collect();
+        assert_eq!(ranges, [(0.01, Some(0.1), 2), (0.1, Some(1.0), 3), (1.0, Some(10.0), 0), (10.0, None, 1)]);
+        let ratios = |range: usize| {
+            let Brightness { energy_ratio, median_ratio, .. } = found.by_brightness[range];
+            energy_ratio.zip(median_ratio)
+        };
+        for (range, energy, median) in [(0, 0.65 / 0.55, 1.5), (1, 4.0 / 2.2, 2.0), (3, 0.8, 0.8)] {
+            let (found_energy, found_median) = ratios(range).expect("has texels");
+            close(found_energy, energy);
+            close(found_median, median);
+        }
+        assert_eq!(ratios(2), None);
+        assert_eq!(found.by_brightness.iter().map(|range| range.texels).sum::<usize>(), found.texels);
     }
 
     #[test]
