@@ -1,5 +1,32 @@
 //! lightoven bakes light maps with Vulkan: stochastic rays from every texel of a light map, traced in compute shaders,
 //! progressively refined.
+//!
+//! A scene is read or described, a [`baker::Baker`] made for it, and baked until it is good enough:
+//!
+//! ```no_run
+//! use lightoven::Result;
+//! use lightoven::baker::{BakeSettings, Baker, Stop};
+//! use lightoven::headless::{Headless, HeadlessSettings};
+//! use lightoven::io::gltf::{self, ReadSettings};
+//! use std::ops::ControlFlow;
+//! use std::path::Path;
+//!
+//! fn main() -> Result<()> {
+//!     // An engine fills a `scene::SceneDesc` from its own data instead, and checks it with `scene::Scene::new`.
+//!     let scene = gltf::read(Path::new("assets/cornell.gltf"), &ReadSettings::default())?;
+//!     // A device of our own; `unsafe gpu::Gpu::from_raw` takes the engine's.
+//!     let headless = Headless::new(&HeadlessSettings::default())?;
+//!     let mut baker = Baker::new(headless.gpu(), &scene, &BakeSettings::default())?;
+//!     let stop = Stop { samples: Some(1024), ..Stop::default() };
+//!     baker.bake(&stop, &mut |progress| {
+//!         println!("{:.0} %", 100.0 * progress.fraction);
+//!         ControlFlow::Continue(())
+//!     })?;
+//!     let light_map = baker.read_back()?;
+//!     println!("{} x {} texels", light_map.width, light_map.height);
+//!     Ok(())
+//! }
+//! ```
 
 pub mod baker;
 pub mod bvh;
