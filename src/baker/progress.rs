@@ -7,7 +7,7 @@ use std::time::Duration;
 /// When a bake ends: at whichever comes first. With nothing set it goes on until it is interrupted.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Stop {
-    /// Rays a texel, those of bounce epochs not counted; rounded up to a multiple of 64; at most 2^30.
+    /// Rays a texel, those of bounce epochs not counted; rounded up to a multiple of 64; 1 to [`Stop::MAX_SAMPLES`].
     pub samples: Option<u32>,
     /// Estimated relative error of the irradiance, the root of relMSE; more than 0.
     pub error: Option<f32>,
@@ -112,9 +112,13 @@ pub struct Statistics {
 }
 
 impl Stop {
+    /// Largest number of samples a texel: beyond it their number is no longer exact in the f32 that counts them.
+    pub const MAX_SAMPLES: u32 = 1 << 30;
+
     pub(super) fn check(&self) -> Result<()> {
-        if let Some(samples) = self.samples.filter(|samples| !(1..=1 << 30).contains(samples)) {
-            return Err(Error::settings(format!("the number of samples is {samples}; allowed is 1 to {}", 1 << 30)));
+        if let Some(samples) = self.samples.filter(|samples| !(1..=Self::MAX_SAMPLES).contains(samples)) {
+            let most = Self::MAX_SAMPLES;
+            return Err(Error::settings(format!("the number of samples is {samples}; allowed is 1 to {most}")));
         }
         if let Some(error) = self.error.filter(|error| !(*error > 0.0)) {
             return Err(Error::settings(format!("the error to reach is {error}; allowed is more than 0")));

@@ -2,7 +2,7 @@
 
 use crate::arguments::SkyArgument;
 use glam::Vec3;
-use lightoven::baker::Bounces;
+use lightoven::baker::{Bounces, Stop};
 use lightoven::scene::atlas::MAX_RESOLUTION;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -11,8 +11,8 @@ use std::time::Duration;
 const MAX_HOURS: f64 = 8760.0;
 
 pub(crate) fn samples(text: &str) -> Result<u32, String> {
-    let allowed = || format!("allowed is a whole number from 1 to {}", u32::MAX);
-    text.parse().ok().filter(|samples| *samples > 0).ok_or_else(allowed)
+    let allowed = || format!("allowed is a whole number from 1 to {}", Stop::MAX_SAMPLES);
+    text.parse().ok().filter(|samples| (1..=Stop::MAX_SAMPLES).contains(samples)).ok_or_else(allowed)
 }
 
 pub(crate) fn seed(text: &str) -> Result<u64, String> {
