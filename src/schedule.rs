@@ -75,8 +75,8 @@ pub(crate) struct Pace {
     rays: f64,
 }
 
-/// Work groups are never cut.
-const GROUP: u32 = crate::gpu::layout::GROUP;
+/// Texels of a work group, which is never cut: `local_size_x` of the shaders that go through the list of texels.
+pub(crate) const GROUP: u32 = 64;
 
 impl Pace {
     pub(crate) fn new(slice: Slice) -> Self {

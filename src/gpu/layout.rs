@@ -1,4 +1,4 @@
-//! What host and device share, as `glsl/include/layout.glsl` has it; `tests/layout.rs` compares the two.
+//! What host and device share, as `glsl/include/layout.glsl` has it; `layout/tests.rs` compares the two.
 //! The hierarchy's structs are in `crate::bvh`.
 
 use bytemuck::{Pod, Zeroable};
@@ -139,8 +139,11 @@ pub(crate) struct Push {
 }
 
 /// Invocations of a work group that goes through the list of texels.
-pub(crate) const GROUP: u32 = 64;
+pub(crate) use crate::schedule::GROUP;
 /// Side of a work group that goes through the whole map.
 pub(crate) const SQUARE_GROUP: u32 = 8;
 /// A footprint that says: no ray starts here.
 pub(crate) const NO_FOOTPRINT: u32 = u32::MAX;
+
+#[cfg(test)]
+mod tests;

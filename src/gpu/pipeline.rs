@@ -121,7 +121,7 @@ impl ComputePipeline {
         let specialization = vk::SpecializationInfo::default().map_entries(&CONSTANT_ENTRIES).data(values);
         let stage = stage(vk::ShaderStageFlags::COMPUTE, &module, &specialization);
         let info = vk::ComputePipelineCreateInfo::default().stage(stage).layout(parts.layout);
-        // SAFETY: the layout has every binding that the shader uses (tests/layout.rs), the module is alive.
+        // SAFETY: the layout has every binding that the shader uses (layout/tests.rs), the module is alive.
         let made = unsafe { gpu.device().create_compute_pipelines(vk::PipelineCache::null(), &[info], None) };
         parts.pipeline = first(made, shader.name)?;
         gpu.name(parts.pipeline, shader.name);
@@ -199,7 +199,7 @@ impl RasterPipeline {
             .dynamic_state(&dynamic)
             .layout(parts.layout)
             .push_next(&mut rendering);
-        // SAFETY: the layout has every binding that the shaders use (tests/layout.rs), the modules are alive.
+        // SAFETY: the layout has every binding that the shaders use (layout/tests.rs), the modules are alive.
         let made = unsafe { gpu.device().create_graphics_pipelines(vk::PipelineCache::null(), &[info], None) };
         parts.pipeline = first(made, desc.name)?;
         gpu.name(parts.pipeline, desc.name);
