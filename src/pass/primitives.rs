@@ -52,9 +52,10 @@ impl Encoded {
         let corners = bvh.corners();
         let to_world = bvh.baked_transform.map(|transform| transform.matrix3.inverse().transpose());
         let normals = mesh.normals()[triangle];
+        let shading = if is_flat(mesh.positions()[triangle], normals) { -1.0 } else { 1.0 };
         Primitive {
             uvs: corners.map(|c| uvs.unwrap_or_default()[c].into()),
-            normals: corners.map(|c| octahedral(world_normal(normals[c], to_world))),
+            normals: corners.map(|c| octahedral(shading * world_normal(normals[c], to_world))),
             material: self.radiating_material(scene, mesh, triangle, uvs.is_none()),
             flags,
             pad: 0,
@@ -77,6 +78,17 @@ impl Encoded {
     }
 }
 
+/// Normals that are the triangle's own, as near as their codes tell, are turned round: a shading normal that looks away
+/// from the triangle gives way to the triangle's own (`surface_of` in `surface.glsl`), which no code has rounded.
+fn is_flat([a, b, c]: [Vec3; 3], normals: [Vec3; 3]) -> bool {
+    let (a, b, c) = (a.as_dvec3(), b.as_dvec3(), c.as_dvec3());
+    let own = (b - a).cross(c - a).normalize_or_zero();
+    normals.iter().all(|normal| normal.as_dvec3().distance(own) < OCTAHEDRAL_ERROR)
+}
+
+/// A code's direction is off by less.
+const OCTAHEDRAL_ERROR: f64 = 1e-4;
+
 fn world_normal(normal: Vec3, to_world: Option<DMat3>) -> Vec3 {
     to_world.map_or(normal, |matrix| (matrix * normal.as_dvec3()).normalize_or(normal.as_dvec3()).as_vec3())
 }
@@ -91,21 +103,26 @@ fn octahedral(n: Vec3) -> u32 {
     snorm(p.x) | snorm(p.y) << 16
 }
 
-/// Points along a side of the grid that a triangle's mean is taken over.
-const MEAN_SIDE: usize = 16;
+/// Rows of equal small triangles that a triangle's mean is taken over, one point in the middle of each.
+const MEAN_ROWS: usize = 16;
 
 /// Mean linear colour of a texture over a triangle of its coordinates.
 fn mean_over(texture: &crate::scene::Texture, wrap: [crate::scene::Wrap; 2], uvs: [Vec2; 3]) -> Vec3 {
+    let colour = |row: usize, column: usize, third: f32| {
+        let [b1, b2] = [row, column].map(|place| (place as f32 + third / 3.0) / MEAN_ROWS as f32);
+        texture.linear(wrap, uvs[0] + (uvs[1] - uvs[0]) * b1 + (uvs[2] - uvs[0]) * b2)
+    };
     let mut sum = Vec3::ZERO;
-    for i in 0..MEAN_SIDE * MEAN_SIDE {
-        let side = MEAN_SIDE as f32;
-        let (mut b1, mut b2) = (((i % MEAN_SIDE) as f32 + 0.5) / side, ((i / MEAN_SIDE) as f32 + 0.5) / side);
-        if b1 + b2 > 1.0 {
-            (b1, b2) = (1.0 - b1, 1.0 - b2);
+    for row in 0..MEAN_ROWS {
+        for column in 0..MEAN_ROWS - row {
+            sum += colour(row, column, 1.0);
+            // The one that points the other way, between this and its neighbours.
+            if row + column + 1 < MEAN_ROWS {
+                sum += colour(row, column, 2.0);
+            }
         }
-        sum += texture.linear(wrap, uvs[0] + (uvs[1] - uvs[0]) * b1 + (uvs[2] - uvs[0]) * b2);
     }
-    sum / (MEAN_SIDE * MEAN_SIDE) as f32
+    sum / (MEAN_ROWS * MEAN_ROWS) as f32
 }
 
 #[cfg(test)]
@@ -123,6 +140,19 @@ mod tests {
                 (d.x, d.y) = ((1.0 - e.y.abs()) * e.x.signum(), (1.0 - e.x.abs()) * e.y.signum());
             }
             assert!(d.normalize().distance(n) < 1e-4, "{n} became {d}");
+        }
+    }
+
+    #[test]
+    fn half_of_a_chequerboard_is_white() {
+        let pixel = |i: usize| if (i % 8 + i / 8).is_multiple_of(2) { [255; 4] } else { [0; 4] };
+        let pixels = (0..64).map(pixel).collect();
+        let texture = crate::scene::Texture { name: "chequers".into(), width: 8, height: 8, pixels };
+        let wrap = [crate::scene::Wrap::ClampToEdge; 2];
+        for uvs in [[Vec2::ZERO, Vec2::X, Vec2::ONE], [Vec2::ZERO, Vec2::ONE, Vec2::Y], [Vec2::X, Vec2::Y, Vec2::ZERO]]
+        {
+            let mean = mean_over(&texture, wrap, uvs).x;
+            assert!((mean - 0.5).abs() < 0.02, "{mean}");
         }
     }
 }
