@@ -250,6 +250,7 @@ impl Baker {
             Ok(())
         })?;
         let sums = SourceSums::read(texels);
+        self.statistics.area = sums.area;
         if sums.invalid > 0 {
             self.statistics.warn(format!("{} texels have a radiance that is not finite; it counts as 0", sums.invalid));
         }
