@@ -1,13 +1,19 @@
 //! Both back ends against the host's traversal: NUMERICS case 21.
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
+#[path = "common/device.rs"]
+mod device;
+#[path = "common/shared_scenes.rs"]
+mod shared_scenes;
+
+use device::on_both_back_ends;
 use glam::Vec3;
+use lightoven::Tracer;
 use lightoven::bvh::{Bvh, Hit, Ray};
-use lightoven::gpu::BackendChoice;
-use lightoven::headless::{Headless, HeadlessSettings, Validation};
+use lightoven::gpu::Gpu;
 use lightoven::io::gltf::{self, ReadSettings};
 use lightoven::scene::{Atlas, Resolution, Scene};
-use lightoven::{Error, ErrorKind, Tracer};
+use shared_scenes::shared_scene;
 use std::path::Path;
 
 const RAYS: usize = 1_000_000;
@@ -33,7 +39,8 @@ fn random_rays(scene: &Scene) -> Vec<Ray> {
     let mut random = Random(1);
     let ray = |i: usize| {
         let origin = random.vector() * half;
-        let direction = if i.is_multiple_of(64) { Vec3::AXES[i / 64 % 3] } else { random.vector().normalize_or(Vec3::X) };
+        let direction =
+            if i.is_multiple_of(64) { Vec3::AXES[i / 64 % 3] } else { random.vector().normalize_or(Vec3::X) };
         Ray { origin, t_min: 0.0, direction, t_max: f32::INFINITY.min(1e30) }
     };
     (0..RAYS).map(ray).collect()
@@ -48,21 +55,13 @@ fn agree(a: &Option<Hit>, b: &Option<Hit>, scale: f32) -> bool {
     }
 }
 
-fn compare(path: &Path, backend: BackendChoice) {
-    let settings = HeadlessSettings { backend, validation: Validation::On, ..HeadlessSettings::default() };
-    let headless = match Headless::new(&settings) {
-        Err(error) if backend == BackendChoice::RayQuery && error.kind() == ErrorKind::Unsupported => {
-            skipped(&error);
-            return;
-        }
-        headless => headless.unwrap(),
-    };
+fn compare(path: &Path, gpu: &Gpu) {
     let scene = gltf::read(path, &ReadSettings::default()).unwrap();
     let atlas = Atlas::new(&scene, Resolution::Texels(64)).unwrap();
     let bvh = Bvh::build(&scene, &atlas).unwrap();
     let rays = random_rays(&scene);
     let skip = vec![None; rays.len()];
-    let hits = Tracer::new(headless.gpu(), &scene, &bvh).unwrap().trace(&rays, &skip).unwrap();
+    let hits = Tracer::new(gpu, &scene, &bvh).unwrap().trace(&rays, &skip).unwrap();
     let (lo, hi) = scene.bounds().unwrap();
     let scale = (hi - lo).length() as f32;
     let (mut differ, mut facing, mut any) = (0, 0, 0);
@@ -78,54 +77,21 @@ fn compare(path: &Path, backend: BackendChoice) {
         "{}, {}: {found} of {RAYS} rays hit; {differ} differ from the host, {facing} in facing, {any} any-hit queries \
          differ",
         path.display(),
-        headless.gpu().backend().name()
+        gpu.backend().name()
     );
-    assert_eq!(headless.validation_messages(), Vec::<String>::new());
     assert!(found > RAYS / 10, "too few rays hit anything");
     assert!(differ <= RAYS / 100_000, "{differ} rays differ");
     assert_eq!((facing, any > RAYS / 100_000), (0, false));
 }
 
-fn skipped(error: &Error) {
-    assert!(
-        !std::env::var("LIGHTOVEN_REQUIRE").is_ok_and(|r| r == "ray_query"),
-        "ray query is required: {error}"
-    );
-    println!("skipped: {error}");
+on_both_back_ends!(instances, level);
+
+fn instances(gpu: &Gpu) {
+    compare(&Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/courtyard.gltf"), gpu);
 }
 
-fn asset(name: &str) -> std::path::PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("assets").join(name)
-}
-
-fn shared(name: &str) -> Option<std::path::PathBuf> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/scenes").join(name);
-    if !path.exists() {
-        println!("skipped: {} is absent", path.display());
-    }
-    path.exists().then_some(path)
-}
-
-#[test]
-fn software_matches_the_host_on_instances() {
-    compare(&asset("courtyard.gltf"), BackendChoice::Software);
-}
-
-#[test]
-fn ray_query_matches_the_host_on_instances() {
-    compare(&asset("courtyard.gltf"), BackendChoice::RayQuery);
-}
-
-#[test]
-fn software_matches_the_host_on_a_level() {
-    if let Some(path) = shared("wrackdm17.glb") {
-        compare(&path, BackendChoice::Software);
-    }
-}
-
-#[test]
-fn ray_query_matches_the_host_on_a_level() {
-    if let Some(path) = shared("wrackdm17.glb") {
-        compare(&path, BackendChoice::RayQuery);
+fn level(gpu: &Gpu) {
+    if let Some(path) = shared_scene("wrackdm17.glb") {
+        compare(&path, gpu);
     }
 }

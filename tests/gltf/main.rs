@@ -2,6 +2,8 @@
 
 #[path = "../common/gltf_builder.rs"]
 mod gltf_builder;
+#[path = "../common/shared_scenes.rs"]
+mod levels;
 
 mod bad_documents;
 mod bad_files;

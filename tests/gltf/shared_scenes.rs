@@ -1,17 +1,11 @@
-//! Real game levels, where they lie beside the project.
+//! Real game levels: what the reader finds in them.
 
+use crate::levels::shared_scene;
 use lightoven::io::gltf::{ReadSettings, read};
 use lightoven::scene::{Atlas, Resolution, Scene};
-use std::path::Path;
 
-/// `None`, and a message, where the level is absent.
 fn level(name: &str) -> Option<Scene> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/scenes").join(name);
-    if !path.exists() {
-        println!("skipped: {} is absent", path.display());
-        return None;
-    }
-    Some(read(&path, &ReadSettings::default()).expect("is valid"))
+    shared_scene(name).map(|path| read(&path, &ReadSettings::default()).expect("is valid"))
 }
 
 fn emissive_triangles(scene: &Scene) -> usize {
