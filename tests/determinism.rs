@@ -1,0 +1,68 @@
+//! The same bits however the work is cut: NUMERICS case 22.
+#![expect(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
+#[path = "common/device.rs"]
+mod device;
+
+use device::on_both_back_ends;
+use lightoven::baker::{BakeSettings, Baker, LightMap, Slice, Stop};
+use lightoven::gpu::Gpu;
+use lightoven::io::gltf::{self, ReadSettings};
+use lightoven::scene::{Resolution, Scene};
+use std::ops::ControlFlow;
+use std::path::Path;
+
+on_both_back_ends!(again, cut_differently, another_seed, continued);
+
+/// Instances, textures, lights, a sky of its own.
+fn courtyard() -> Scene {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/courtyard.gltf");
+    gltf::read(&path, &ReadSettings::default()).unwrap()
+}
+
+/// Bakes up to each of these numbers of samples in turn; the light map, and how many slices it took.
+fn bake(gpu: &Gpu, samples: &[u32], slice: Slice, seed: u64) -> (LightMap, usize) {
+    let settings = BakeSettings { resolution: Resolution::Texels(64), slice, seed, ..BakeSettings::default() };
+    let mut baker = Baker::new(gpu, &courtyard(), &settings).unwrap();
+    let mut slices = 0;
+    for samples in samples {
+        let stop = Stop { samples: Some(*samples), ..Stop::default() };
+        let mut count = |_: &_| {
+            slices += 1;
+            ControlFlow::Continue(())
+        };
+        baker.bake(&stop, &mut count).unwrap();
+    }
+    (baker.read_back().unwrap(), slices)
+}
+
+fn bits(map: &LightMap) -> Vec<[u32; 4]> {
+    map.pixels.iter().map(|pixel| pixel.map(f32::to_bits)).collect()
+}
+
+fn again(gpu: &Gpu) {
+    let [first, second] = [0; 2].map(|seed| bake(gpu, &[256], Slice::default(), seed).0);
+    assert!(first.pixels.iter().any(|pixel| pixel[0] > 0.0));
+    assert!(bits(&first) == bits(&second), "two bakes differ");
+}
+
+fn cut_differently(gpu: &Gpu) {
+    let (timed, _) = bake(gpu, &[256], Slice::default(), 7);
+    // The whole map at once, and a work group at a time.
+    for texels in [u32::MAX / 2, 1] {
+        let (cut, slices) = bake(gpu, &[256], Slice::Texels(texels), 7);
+        println!("{texels} texels a slice, {}: {slices} slices", gpu.backend().name());
+        assert!(bits(&cut) == bits(&timed), "{texels} texels a slice give other bits than slices by time");
+    }
+}
+
+fn another_seed(gpu: &Gpu) {
+    let [low, other, high] = [1, 2, 1 << 32 | 1].map(|seed| bits(&bake(gpu, &[64], Slice::default(), seed).0));
+    assert!(low != other && low != high && other != high, "two seeds give the same bits");
+}
+
+fn continued(gpu: &Gpu) {
+    let (at_once, _) = bake(gpu, &[256], Slice::default(), 3);
+    let (in_steps, _) = bake(gpu, &[64, 256], Slice::default(), 3);
+    assert!(bits(&at_once) == bits(&in_steps), "a bake that went on differs from one without a stop");
+}
