@@ -103,8 +103,9 @@ fn octahedral(n: Vec3) -> u32 {
     snorm(p.x) | snorm(p.y) << 16
 }
 
-/// Rows of equal small triangles that a triangle's mean is taken over, one point in the middle of each.
-const MEAN_ROWS: usize = 16;
+/// Rows of equal small triangles that a triangle's mean is taken over, one point in the middle of each. A prime number: the
+/// points keep step with no pattern. Chequerboards of 8 to 12 squares a side: off by .02 %; with 64 rows by .5 %.
+const MEAN_ROWS: usize = 61;
 
 /// Mean linear colour of a texture over a triangle of its coordinates.
 fn mean_over(texture: &crate::scene::Texture, wrap: [crate::scene::Wrap; 2], uvs: [Vec2; 3]) -> Vec3 {
@@ -145,14 +146,14 @@ mod tests {
 
     #[test]
     fn half_of_a_chequerboard_is_white() {
-        let pixel = |i: usize| if (i % 8 + i / 8).is_multiple_of(2) { [255; 4] } else { [0; 4] };
-        let pixels = (0..64).map(pixel).collect();
-        let texture = crate::scene::Texture { name: "chequers".into(), width: 8, height: 8, pixels };
+        let pixel = |i: usize| if (i % 12 + i / 12).is_multiple_of(2) { [255; 4] } else { [0; 4] };
+        let pixels = (0..144).map(pixel).collect();
+        let texture = crate::scene::Texture { name: "chequers".into(), width: 12, height: 12, pixels };
         let wrap = [crate::scene::Wrap::ClampToEdge; 2];
         for uvs in [[Vec2::ZERO, Vec2::X, Vec2::ONE], [Vec2::ZERO, Vec2::ONE, Vec2::Y], [Vec2::X, Vec2::Y, Vec2::ZERO]]
         {
             let mean = mean_over(&texture, wrap, uvs).x;
-            assert!((mean - 0.5).abs() < 0.02, "{mean}");
+            assert!((mean - 0.5).abs() < 1e-3, "{mean}");
         }
     }
 }

@@ -94,5 +94,6 @@ fn unmapped_textured_emitter(gpu: &Gpu) {
     let (mut stage, [receiver, emitter]) = stage(Facing::Down);
     chequered(&mut stage);
     let estimate = received(gpu, stage, &[receiver, Quad { chart: None, ..emitter }]);
-    estimate.assert_is("chequered emitter outside the light map", gpu, 0.5 * FACTOR, 1e-6, 1e-3);
+    // The mean of each triangle is taken at some thousand points.
+    estimate.assert_is("chequered emitter outside the light map", gpu, 0.5 * FACTOR, 1e-3 * 0.5 * FACTOR, 1e-3);
 }
