@@ -142,7 +142,7 @@ mod compile {
         };
         let mut options = CompileOptions::new()?;
         options.set_target_env(TargetEnv::Vulkan, EnvVersion::Vulkan1_3 as u32);
-        // Drivers optimise; names must stay, for tests/layout.rs reflects them.
+        // Drivers optimise; names must stay, for the layout test reflects them.
         options.set_optimization_level(OptimizationLevel::Zero);
         options.set_warnings_as_errors();
         if hardware {

@@ -6,7 +6,7 @@
 #include "include/texels.glsl"
 #include "include/irradiance.glsl"
 
-layout(set = 0, binding = 17, rgba16f) readonly uniform image2D albedo_image;
+layout(set = 0, binding = 17, rgba32f) readonly uniform image2D albedo_image;
 layout(set = 0, binding = 18, rgba32f) readonly uniform image2D emission_image;
 layout(set = 0, binding = 19, rgba32f) writeonly uniform image2D source_image;
 // A work group's sums: luminance times area, area, largest albedo, texels whose radiance was no number.

@@ -1,5 +1,5 @@
 // What host and device share: structs (std430), bindings, specialisation constants, push constants.
-// Written again in Rust (src/gpu/layout.rs, src/bvh); tests/layout.rs compares the two.
+// Written again in Rust (src/gpu/layout.rs, src/bvh); src/gpu/layout/tests.rs compares the two.
 #ifndef LAYOUT_GLSL
 #define LAYOUT_GLSL
 

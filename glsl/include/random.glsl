@@ -17,9 +17,10 @@ uvec4 pcg4d(uvec4 v) {
     return v;
 }
 
-// Four numbers in [0,1) for a texel's sample. `dimension` counts the calls for one sample.
+// Four numbers in [0,1) for a texel's sample. `dimension` counts the calls for one sample; it is spread over all bits, so
+// that no seed a person would choose shares its numbers.
 vec4 random4(uint texel, uint sample_index, uint dimension) {
-    uvec4 bits = pcg4d(uvec4(texel, sample_index, push.seed.x, push.seed.y + dimension));
+    uvec4 bits = pcg4d(uvec4(texel, sample_index, push.seed.x, push.seed.y ^ dimension * 0x9e3779b9u));
     return vec4(bits >> 8u) * (1.0 / 16777216.0);
 }
 

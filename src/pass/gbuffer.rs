@@ -139,7 +139,7 @@ fn create_pipeline(
         constants,
         color_formats: &[
             vk::Format::R32G32B32A32_UINT,
-            vk::Format::R16G16B16A16_SFLOAT,
+            vk::Format::R32G32B32A32_SFLOAT,
             vk::Format::R32G32B32A32_SFLOAT,
         ],
         depth_format: DEPTH_FORMAT,

@@ -107,7 +107,7 @@ fn host_bindings() -> BTreeMap<u32, BTreeSet<Kind>> {
         (binding::EMISSION_TEXTURE, vec![Kind::Texture]),
         (binding::TEXCOORDS, vec![storage("Texcoords")]),
         (binding::DIRECT, vec![radiance()]),
-        (binding::ALBEDO, vec![image("Rgba16f")]),
+        (binding::ALBEDO, vec![image("Rgba32f")]),
         (binding::EMISSION, vec![radiance()]),
         (binding::SOURCE_IMAGE, vec![radiance()]),
         (binding::SUMS, vec![storage("vec4<f32>")]),
