@@ -1,11 +1,11 @@
 //! Cases 4, 5 and 6: light from one black square that shines.
 
 use crate::device::on_both_back_ends;
-use crate::estimate::{Estimate, irradiance, mean};
+use crate::estimate::{Estimate, mean};
 use crate::stage::{Chart, Facing, Quad, Stage, level_square};
 use glam::Vec3;
-use lightoven::baker::{Bounces, LightMap};
-use lightoven::gpu::{BackendChoice, Gpu};
+use lightoven::baker::Bounces;
+use lightoven::gpu::Gpu;
 use std::f64::consts::PI;
 
 on_both_back_ends!(
