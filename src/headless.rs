@@ -94,7 +94,7 @@ fn backend_of(info: &DeviceInfo, choice: BackendChoice) -> Result<Backend> {
         BackendChoice::RayQuery => Err(Error::new(
             ErrorKind::Unsupported,
             format!(
-                "device '{}' ({}) has no VK_KHR_ray_query; use the back end 'software' or 'auto'",
+                "device '{}' ({}) has no ray query (VK_KHR_ray_query); use the back end 'software' or 'auto'",
                 info.name, info.driver
             ),
         )),
