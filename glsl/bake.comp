@@ -17,14 +17,14 @@ layout(set = 0, binding = 12, rgba32f) uniform image2D mean_odd;
 
 const uint FOOTPRINT_TRIES = 4u;
 
-// A point of the texel that lies on its triangle and on the near side of every wall.
+// A point of the texel that lies on its triangle and within its footprint.
 vec2 choose_point(Surface s, vec4 sides, uint texel, uint sample_index, vec2 u) {
     for (uint attempt = 1u; attempt <= FOOTPRINT_TRIES; ++attempt) {
         vec2 p = mix(sides.xy, sides.zw, u);
         if (on_triangle(s, p)) return p;
         u = random4(texel, sample_index, attempt).xy;
     }
-    return s.start;
+    return clamp(s.start, sides.xy, sides.zw);
 }
 
 vec3 on_hit(Hit hit) {
@@ -66,8 +66,10 @@ void main() {
     vec4 sides = unpack_footprint(imageLoad(footprint_image, ivec2(texel)).x);
     mat3 frame = frame_of(s.normal);
     uint key = texel.x | texel.y << 16u;
-    vec4 even = imageLoad(mean_even, ivec2(texel));
-    vec4 odd = imageLoad(mean_odd, ivec2(texel));
+    // The first quantum starts anew: what an earlier epoch left stays readable until then.
+    bool anew = push.first_quantum == 0u;
+    vec4 even = anew ? vec4(0.0) : imageLoad(mean_even, ivec2(texel));
+    vec4 odd = anew ? vec4(0.0) : imageLoad(mean_odd, ivec2(texel));
     uint samples = push.strata_side * push.strata_side;
     for (uint quantum = push.first_quantum; quantum < push.first_quantum + push.quantum_count; ++quantum) {
         uint first = push.first_sample + quantum * samples;

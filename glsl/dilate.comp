@@ -45,6 +45,7 @@ void flood(ivec2 texel) {
 
 void fill(ivec2 texel) {
     uint nearest = imageLoad(nearest_before, texel).x;
+    if (nearest != NOWHERE && decode(nearest) == texel) return;
     float coverage = imageLoad(surface_image, texel).x != 0u ? 1.0 : 0.0;
     vec3 irradiance = nearest == NOWHERE ? vec3(0.0) : imageLoad(light_map, decode(nearest)).rgb;
     imageStore(light_map, texel, vec4(irradiance, coverage));

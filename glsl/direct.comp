@@ -10,8 +10,8 @@ layout(set = 0, binding = 9, r32ui) readonly uniform uimage2D footprint_image;
 layout(set = 0, binding = 16, rgba32f) writeonly uniform image2D direct_image;
 
 // Whether a point of the footprint sees the light.
-bool sees(Surface s, vec2 at, Light light) {
-    vec3 point = point_at(s, on_triangle(s, at) ? at : s.start);
+bool sees(Surface s, vec4 sides, vec2 at, Light light) {
+    vec3 point = point_at(s, on_triangle(s, at) ? at : clamp(s.start, sides.xy, sides.zw));
     // The direction and distance of this very point, from the offset origin, so that a near light is not overshot.
     Ray ray = ray_from(s, point, vec3(0.0), 1e30);
     Incident incident = incident_of(light, ray.origin, s.normal);
@@ -25,7 +25,7 @@ float visible_share(Surface s, vec4 sides, Light light, uint side) {
     uint count = 0u;
     for (uint i = 0u; i < side * side; ++i) {
         vec2 u = (vec2(i % side, i / side) + 0.5) / float(side);
-        count += uint(sees(s, mix(sides.xy, sides.zw, u), light));
+        count += uint(sees(s, sides, mix(sides.xy, sides.zw, u), light));
     }
     return float(count) / float(side * side);
 }

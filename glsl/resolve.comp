@@ -43,5 +43,5 @@ void main() {
         if (lane < half_size) group[lane] += group[lane + half_size];
         barrier();
     }
-    if (lane == 0u) sums[gl_WorkGroupID.x] = group[0];
+    if (lane == 0u && has_sum()) sums[work_group()] = group[0];
 }

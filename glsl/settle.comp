@@ -12,9 +12,13 @@ layout(set = 0, binding = 9, r32ui) uniform uimage2D footprint_image;
 
 // How far a footprint stays away from a wall, as a share of the way to it.
 const float CLEARANCE = 0.95;
-// Rays that decide whether a texel is inside an object: few, and more where one of them saw a back face.
-const uint FEW = 4u;
-const uint MANY = 24u;
+// Walls are looked for a little beyond the way, so that one at its very end, as at many a texel's border, is always found
+// and not as rounding would have it.
+const float BEYOND = 1.1;
+// Sides of the grids of rays that decide whether a texel is inside an object: few rays, and more where one of them saw a
+// back face.
+const uint FEW_SIDE = 2u;
+const uint MANY_SIDE = 5u;
 
 bool shows_back(Hit hit) {
     return hit.committed && !hit.front_face
@@ -23,7 +27,7 @@ bool shows_back(Hit hit) {
 
 // A ray along the surface from `from` by `way` texels; t is in parts of the way.
 Hit look_along(Surface s, vec2 from, vec2 way) {
-    return trace_closest(ray_from(s, point_at(s, from), s.du * way.x + s.dv * way.y, 1.0));
+    return trace_closest(ray_from(s, point_at(s, from), s.du * way.x + s.dv * way.y, BEYOND));
 }
 
 // Past the nearest back face within a texel: the centre lies in a wall.
@@ -45,7 +49,7 @@ vec2 move_out(Surface s, vec2 centre) {
 // How much of `way` from the centre is free, as the coordinate that is reached.
 float reach(Surface s, vec2 centre, vec2 way) {
     Hit hit = look_along(s, centre, way);
-    return hit.committed ? hit.t * CLEARANCE : 1.0;
+    return hit.committed ? min(1.0, hit.t * CLEARANCE) : 1.0;
 }
 
 // Share of back faces over the hemisphere.
@@ -71,7 +75,7 @@ void main() {
     if (SINGLE_SIDED) {
         s.start = move_out(s, s.start);
         uint key = texel.x | texel.y << 16u;
-        if (back_share(s, key, 2u) > 0.0 && back_share(s, key, 5u) > 0.5) {
+        if (back_share(s, key, FEW_SIDE) > 0.0 && back_share(s, key, MANY_SIDE) > 0.5) {
             imageStore(footprint_image, ivec2(texel), uvec4(NO_FOOTPRINT));
             return;
         }

@@ -41,5 +41,5 @@ void main() {
         }
         barrier();
     }
-    if (lane == 0u) sums[gl_WorkGroupID.x] = group[0];
+    if (lane == 0u && has_sum()) sums[work_group()] = group[0];
 }

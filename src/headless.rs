@@ -78,6 +78,9 @@ fn choose<'a>(devices: &'a [DeviceInfo], wanted: Option<&str>) -> Result<&'a Dev
         };
         return usable.min_by_key(|device| device.is_cpu()).ok_or_else(lacking);
     };
+    if wanted.is_empty() {
+        return Err(Error::settings(format!("the device is '', which every name holds; there are: {}", names())));
+    }
     let found = match wanted.parse::<usize>() {
         Ok(index) => devices.get(index),
         Err(_) => devices.iter().find(|device| device.name.to_lowercase().contains(&wanted.to_lowercase())),

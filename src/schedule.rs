@@ -89,13 +89,14 @@ impl Pace {
             Slice::Time(_) => (self.rays / f64::from(rays_per_texel.max(1))).min(f64::from(u32::MAX / 2)) as u32,
             Slice::Texels(texels) => texels,
         };
-        texels.max(1).next_multiple_of(GROUP)
+        texels.clamp(1, u32::MAX / 2).next_multiple_of(GROUP)
     }
 
-    /// Quanta for which all texels fit into one slice; at least 1.
+    /// Quanta for which all texels fit into one slice; at least 1, and at most 16: 1,024 rays for an invocation, far below
+    /// the 65,535 iterations at which older drivers cut loops.
     fn quanta(&self, texels: u32, samples: u32) -> u32 {
         match self.slice {
-            Slice::Time(_) => (self.rays / (f64::from(texels) * f64::from(samples))).clamp(1.0, 4096.0) as u32,
+            Slice::Time(_) => (self.rays / (f64::from(texels) * f64::from(samples))).clamp(1.0, 16.0) as u32,
             Slice::Texels(_) => 1,
         }
     }

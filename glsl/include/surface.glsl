@@ -15,7 +15,10 @@ vec4 unpack_footprint(uint code) {
 }
 
 uint pack_footprint(vec4 sides) {
-    uvec4 bytes = uvec4(clamp(round((sides + 1.0) * 85.0), 0.0, 254.0));
+    // Rounded inward, so that a side never lies beyond the wall that cut it; a footprint of no width stays one.
+    vec4 steps = clamp((sides + 1.0) * 85.0, 0.0, 254.0);
+    vec2 low = ceil(steps.xy - 1e-3);
+    uvec4 bytes = uvec4(low, max(low, floor(steps.zw + 1e-3)));
     return bytes.x | bytes.y << 8u | bytes.z << 16u | bytes.w << 24u;
 }
 

@@ -6,9 +6,19 @@ layout(set = 0, binding = 5, std430) readonly buffer Texels { uint texels[]; };
 
 layout(local_size_x = 64) in;
 
+// Work groups lie in rows, for there may be more than fit along one axis.
+uint work_group() {
+    return gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
+}
+
+// Whether this work group is one of those that have texels, and so a place among the sums.
+bool has_sum() {
+    return work_group() * gl_WorkGroupSize.x < max(push.texel_count, 1u);
+}
+
 // Whether this invocation has a texel, and which.
 bool texel_of_invocation(out uvec2 texel) {
-    uint index = gl_GlobalInvocationID.x;
+    uint index = work_group() * gl_WorkGroupSize.x + gl_LocalInvocationID.x;
     if (index >= push.texel_count) return false;
     uint code = texels[push.first_texel + index];
     texel = uvec2(code & 0xffffu, code >> 16u);

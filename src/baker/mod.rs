@@ -89,6 +89,8 @@ struct State {
     /// When the error is estimated next, in kept quanta.
     next_estimate: u32,
     mean_luminance: f64,
+    /// Every texel has samples of some epoch.
+    covered: bool,
 }
 
 /// Side of the grid of strata for kept samples: 64 rays a quantum. Lavapipe, a game level, Mrays/s: 16 rays 3.7, 64 rays
@@ -113,20 +115,29 @@ impl Baker {
             Some(state) => state,
             None => self.start()?,
         };
-        let outcome = self.run(&mut state, stop, clock, progress);
-        let resolved = self.resolve(&mut state);
+        // After an error the device is in no state to go on.
+        let outcome = self.run(&mut state, stop, clock, progress)?;
+        self.resolve(&mut state)?;
         self.statistics.bounces_missing = state.epochs.missing() as f32;
         if state.epoch == Epoch::Bounce && self.texels.count > 0 {
-            let percent = 100.0 * state.epochs.missing();
-            self.statistics.warn(format!("the bounces have not converged: {percent:.2} % of the light is missing"));
+            let missing = state.epochs.missing();
+            let share =
+                if missing.is_finite() { format!("{:.2} %", 100.0 * missing) } else { "an unknown part".into() };
+            self.statistics.warn(format!("the bounces have not converged: {share} of the light is missing"));
         }
         self.state = Some(state);
-        outcome.and_then(|outcome| resolved.map(|()| outcome))
+        Ok(outcome)
     }
 
     /// The first source map, which emits and does not reflect, and light from analytic lights.
     fn start(&mut self) -> Result<State> {
         let started = Instant::now();
+        let maps = &self.maps;
+        self.commands.run(|recorder| {
+            // Texels that take no rays emit all the same.
+            recorder.copy_image(&maps.emission, &maps.source);
+            Ok(())
+        })?;
         let emitted = self.update_source()?;
         self.light_directly()?;
         self.statistics.seconds.direct += started.elapsed().as_secs_f64();
@@ -138,8 +149,9 @@ impl Baker {
             kept: 0,
             next_estimate: 2,
             mean_luminance: 0.0,
+            covered: false,
         };
-        self.begin_epoch(&mut state)?;
+        self.begin_epoch(&mut state);
         Ok(state)
     }
 
@@ -167,8 +179,13 @@ impl Baker {
         clock: Instant,
         progress: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
     ) -> Result<Outcome> {
+        if state.covered && stop.reached(&self.statistics, clock.elapsed()) {
+            return Ok(Outcome::Finished);
+        }
+        // The first pass of few rays is gone through even then: there is no light map before it.
+        let mut interrupted = false;
         loop {
-            let started = Instant::now();
+            let (started, resolved_before) = (Instant::now(), self.statistics.seconds.resolve);
             let side = match state.epoch {
                 Epoch::Bounce => BOUNCE_STRATA_SIDE,
                 Epoch::Keep { .. } => STRATA_SIDE,
@@ -179,6 +196,7 @@ impl Baker {
                 None if self.texels.count == 0 => return Ok(Outcome::Finished),
                 None => self.end_epoch(state)?,
             }
+            state.covered |= state.sweep.finished_pass().is_some();
             if let (Epoch::Keep { .. }, Some(kept)) = (state.epoch, state.sweep.finished_pass()) {
                 state.kept = kept;
                 if kept >= state.next_estimate {
@@ -186,10 +204,15 @@ impl Baker {
                     state.next_estimate = kept + (kept / 16).max(2);
                 }
             }
-            self.statistics.seconds.bake += started.elapsed().as_secs_f64();
-            self.statistics.samples_per_texel = f64::from(state.kept * STRATA_SIDE * STRATA_SIDE);
+            let resolving = self.statistics.seconds.resolve - resolved_before;
+            self.statistics.seconds.bake += started.elapsed().as_secs_f64() - resolving;
+            self.statistics.samples_per_texel = f64::from(state.kept) * f64::from(STRATA_SIDE * STRATA_SIDE);
             let report = self.statistics.progress(state.epoch, stop, clock.elapsed());
-            if progress(&report).is_break() {
+            interrupted |= progress(&report).is_break();
+            if !state.covered {
+                continue;
+            }
+            if interrupted {
                 return Ok(Outcome::Interrupted);
             }
             if stop.reached(&self.statistics, clock.elapsed()) {
@@ -223,24 +246,16 @@ impl Baker {
             self.update_source()?;
         }
         self.statistics.epochs += 1;
-        self.begin_epoch(state)
+        self.begin_epoch(state);
+        Ok(())
     }
 
-    fn begin_epoch(&mut self, state: &mut State) -> Result<()> {
-        let before = state.epoch;
+    fn begin_epoch(&self, state: &mut State) {
         state.epoch = state.epochs.next();
         state.sweep = match state.epoch {
             Epoch::Bounce => Sweep::new(self.texels.count, 0..1),
             Epoch::Keep { quanta } => Sweep::new(self.texels.count, state.kept..state.kept + quanta),
         };
-        if before == Epoch::Bounce {
-            let maps = &self.maps;
-            self.commands.run(|recorder| {
-                recorder.clear(&[&maps.mean_even, &maps.mean_odd]);
-                Ok(())
-            })?;
-        }
-        Ok(())
     }
 
     fn update_source(&mut self) -> Result<SourceSums> {
@@ -282,12 +297,18 @@ impl Baker {
     /// # Errors
     /// `DeviceLost`, `OutOfMemory` or `Driver` from the device.
     pub fn read_back(&mut self) -> Result<LightMap> {
-        let started = Instant::now();
+        let maps = &self.maps;
+        self.commands.run(|recorder| {
+            // What an earlier call filled is no light of its own.
+            recorder.clear(&[&maps.light_map]);
+            Ok(())
+        })?;
         if let Some(mut state) = self.state.take() {
             let resolved = self.resolve(&mut state);
             self.state = Some(state);
             resolved?;
         }
+        let started = Instant::now();
         let (dilate, push) = (&self.passes.dilate, &self.push);
         self.commands.run(|recorder| {
             dilate.record(recorder, push);

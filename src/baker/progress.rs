@@ -78,9 +78,9 @@ pub struct Seconds {
     pub gbuffer: f64,
     /// The first source map and light from analytic lights.
     pub direct: f64,
-    /// Gathering, resolving for error estimates included.
+    /// Gathering and making source maps.
     pub bake: f64,
-    /// Resolving, filling gutters and reading back.
+    /// Resolving, for error estimates too, filling gutters and reading back.
     pub resolve: f64,
     /// Making pipelines, and what the driver compiles at their first use.
     pub compile: f64,
@@ -134,11 +134,11 @@ impl Stop {
 
     /// Kept quanta after which the samples are enough.
     pub(super) fn quanta(&self, samples_per_quantum: u32) -> u32 {
-        self.samples.map_or(u32::MAX, |samples| samples.div_ceil(samples_per_quantum))
+        self.samples.unwrap_or(Self::MAX_SAMPLES).div_ceil(samples_per_quantum)
     }
 
     pub(super) fn reached(&self, statistics: &Statistics, elapsed: Duration) -> bool {
-        self.samples.is_some_and(|samples| statistics.samples_per_texel >= f64::from(samples))
+        statistics.samples_per_texel >= f64::from(self.samples.unwrap_or(Self::MAX_SAMPLES))
             || self.time.is_some_and(|time| elapsed >= time)
             || self.error.is_some_and(|target| statistics.estimated_error.is_some_and(|error| error <= target))
     }

@@ -3,7 +3,7 @@
 use super::memory::MemoryEstimate;
 use super::{BakeSettings, Baker, Passes, Statistics};
 use crate::bvh::Bvh;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::features::Features;
 use crate::gpu::layout::{NO_FOOTPRINT, Push};
 use crate::gpu::{Commands, Constants, Gpu};
@@ -132,6 +132,16 @@ fn list_texels(gpu: &Gpu, commands: &mut Commands, maps: &Maps, statistics: &mut
     let covered = surfaces.iter().filter(|surface| surface[0] != 0).count() as u64;
     statistics.texels = u64::from(texels.count);
     statistics.invalid_texels = covered - statistics.texels;
+    if statistics.texels == 0 && covered > 0 {
+        return Err(Error::scene(format!(
+            "all {covered} texels see the back of a surface: is the winding the wrong way round? Double-sided, they could be baked"
+        )));
+    }
+    if statistics.invalid_texels > 0 {
+        let given_up = statistics.invalid_texels;
+        statistics
+            .warn(format!("{given_up} of {covered} texels lie inside something and are filled from their neighbours"));
+    }
     Ok(texels)
 }
 

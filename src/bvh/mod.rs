@@ -35,7 +35,7 @@ pub const TFAR_SCALE: f32 = 1.000_000_4;
 pub const MIN_DIRECTION: f32 = 1e-20;
 /// Largest coordinate relative to the scene's middle, in world and in object space: over 3.4e18, its product with
 /// 1 / [`MIN_DIRECTION`] is infinite and every box would be missed.
-pub const MAX_COORDINATE: f64 = 1e12;
+pub const MAX_COORDINATE: f64 = 1e10;
 
 const MAX_LEAF_SIZE: u32 = 4;
 /// Both corners of the box of an empty child: a point that no ray reaches. (The box test does not tell lo from hi, so
@@ -218,6 +218,11 @@ impl Bvh {
         }
         self.finish(&transforms);
         Ok(())
+    }
+
+    /// Position of an instance's mesh in the scene's list.
+    pub(crate) fn mesh_of(&self, instance: usize) -> usize {
+        self.mesh_of[instance]
     }
 
     /// The node that rays start at.

@@ -30,9 +30,8 @@ pub struct Hit {
     /// Barycentric weight of corner 2.
     pub v: f32,
     /// Whether the corners are counter-clockwise seen from the ray's origin, in object space: a mirrored object shows
-    /// the same side to the outside as the object itself. It is what Vulkan's ray query says of an instance that has
-    /// `TRIANGLE_FRONT_COUNTERCLOCKWISE` set; facing is determined in object space there, and the transform does not
-    /// change it.
+    /// the same side to the outside as the object itself. It is what Vulkan's ray query says of an instance without
+    /// facing flags (tests/parity.rs); facing is determined in object space there, and the transform does not change it.
     pub front_face: bool,
 }
 

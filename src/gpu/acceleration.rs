@@ -12,7 +12,7 @@ use ash::{khr, vk};
 /// A scene's acceleration structures.
 pub(crate) struct SceneStructure {
     top: Structure,
-    _bottom: Vec<Structure>,
+    _bottom: Vec<Option<Structure>>,
 }
 
 /// One structure with the buffer that it lies in.
@@ -26,14 +26,15 @@ struct Structure {
 impl SceneStructure {
     /// `triangles` holds the hierarchy's triangles.
     pub(crate) fn new(gpu: &Gpu, commands: &mut Commands, bvh: &Bvh, triangles: &Buffer) -> Result<Self> {
-        let build = |mesh: &MeshRange| bottom_level(gpu, commands, mesh, triangles);
+        // A mesh without triangles has no structure, and its instances refer to none: they are inactive.
+        let build =
+            |mesh: &MeshRange| (mesh.count > 0).then(|| bottom_level(gpu, commands, mesh, triangles)).transpose();
         let bottom = bvh.meshes.iter().map(build).collect::<Result<Vec<_>>>()?;
-        let address_of = |instance: &InstanceRecord| {
-            let range = |mesh: &MeshRange| mesh.first_primitive == instance.first_primitive;
-            bvh.meshes.iter().position(range).map_or(0, |index| bottom[index].address)
+        let record = |(index, instance): (usize, &InstanceRecord)| {
+            let structure = bottom[bvh.mesh_of(index)].as_ref();
+            record(index, instance, structure.map_or(0, |structure| structure.address))
         };
-        let records =
-            bvh.instances.iter().enumerate().map(|(index, instance)| record(index, instance, address_of(instance)));
+        let records = bvh.instances.iter().enumerate().map(record);
         let records: Vec<[u8; INSTANCE_BYTES]> = records.collect();
         let top = top_level(gpu, commands, &records)?;
         Ok(Self { top, _bottom: bottom })

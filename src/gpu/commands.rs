@@ -15,9 +15,6 @@ pub(crate) struct Commands {
     fence: vk::Fence,
 }
 
-/// A device that does not answer for this long is lost.
-const TIMEOUT: Duration = Duration::from_secs(600);
-
 impl Commands {
     pub(crate) fn new(gpu: &Gpu) -> Result<Self> {
         let device = gpu.device();
@@ -50,10 +47,11 @@ impl Commands {
         let buffers = [vk::CommandBufferSubmitInfo::default().command_buffer(self.buffer)];
         let submit = [vk::SubmitInfo2::default().command_buffer_infos(&buffers)];
         let started = Instant::now();
-        // SAFETY: the buffer is recorded, the fence unsignalled, the queue this thread's (Gpu::from_raw).
+        let queue = self.gpu.queue();
+        // SAFETY: the buffer is recorded, the fence unsignalled, the queue locked. A device that is lost ends the wait.
         unsafe {
-            device.queue_submit2(self.gpu.inner.queue, &submit, self.fence).map_err(context)?;
-            device.wait_for_fences(&[self.fence], true, TIMEOUT.as_nanos() as u64).map_err(context)?;
+            device.queue_submit2(*queue, &submit, self.fence).map_err(context)?;
+            device.wait_for_fences(&[self.fence], true, u64::MAX).map_err(context)?;
             device.reset_fences(&[self.fence]).map_err(context)?;
         }
         Ok(started.elapsed())

@@ -112,8 +112,7 @@ pub(crate) fn create_device(owned: OwnedInstance, index: usize, backend: Backend
     let hardware = backend == Backend::RayQuery;
     let extensions: Vec<_> =
         RAY_QUERY_EXTENSIONS.iter().filter(|_| hardware).map(|extension| extension.as_ptr()).collect();
-    let mut features12 =
-        vk::PhysicalDeviceVulkan12Features::default().timeline_semaphore(true).buffer_device_address(hardware);
+    let mut features12 = vk::PhysicalDeviceVulkan12Features::default().buffer_device_address(hardware);
     let mut features13 =
         vk::PhysicalDeviceVulkan13Features::default().dynamic_rendering(true).synchronization2(true).maintenance4(true);
     let mut structure = vk::PhysicalDeviceAccelerationStructureFeaturesKHR::default().acceleration_structure(true);
@@ -134,5 +133,5 @@ pub(crate) fn create_device(owned: OwnedInstance, index: usize, backend: Backend
     let debug_utils = owned.messenger.is_some();
     let instance = owned.instance.clone();
     let owner = Owner { device: device.clone(), _instance: owned };
-    Gpu::owned(RawDevice { instance, physical_device, device, queue, queue_family, backend, debug_utils }, owner)
+    Gpu::owned(RawDevice { instance, physical_device, device, queue, queue_family, backend, debug_utils }, owner, index)
 }

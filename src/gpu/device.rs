@@ -45,7 +45,7 @@ pub struct RawDevice {
     pub instance: ash::Instance,
     /// The device's physical device.
     pub physical_device: vk::PhysicalDevice,
-    /// A loaded device with dynamicRendering, synchronization2, timelineSemaphore and maintenance4.
+    /// A loaded device with dynamicRendering, synchronization2 and maintenance4.
     pub device: ash::Device,
     /// A queue with compute, graphics and transfer.
     pub queue: vk::Queue,
@@ -68,7 +68,7 @@ pub(super) struct Inner {
     // Dropped in this order: memory before the device that it belongs to.
     allocator: Mutex<Allocator>,
     pub(super) device: ash::Device,
-    pub(super) queue: vk::Queue,
+    queue: Mutex<vk::Queue>,
     pub(super) queue_family: u32,
     pub(super) debug: Option<ext::debug_utils::Device>,
     pub(super) acceleration: Option<khr::acceleration_structure::Device>,
@@ -123,17 +123,17 @@ impl Gpu {
     /// The handles belong together, are valid, have what [`RawDevice`] asks for enabled, and outlive every clone of the
     /// `Gpu` and everything made from it. Nobody else uses the queue while a method of the baker runs.
     pub unsafe fn from_raw(raw: RawDevice) -> Result<Self> {
-        Self::assemble(raw, None)
+        Self::assemble(raw, None, 0)
     }
 
     /// A device of our own, which goes with the last clone.
-    pub(crate) fn owned(raw: RawDevice, owner: Owner) -> Result<Self> {
-        Self::assemble(raw, Some(owner))
+    pub(crate) fn owned(raw: RawDevice, owner: Owner, index: usize) -> Result<Self> {
+        Self::assemble(raw, Some(owner), index)
     }
 
-    fn assemble(raw: RawDevice, owner: Option<Owner>) -> Result<Self> {
+    fn assemble(raw: RawDevice, owner: Option<Owner>, index: usize) -> Result<Self> {
         let RawDevice { instance, physical_device, device, queue, queue_family, backend, debug_utils } = raw;
-        let info = super::info::describe(&instance, physical_device, 0);
+        let info = super::info::describe(&instance, physical_device, index);
         let allocator = Allocator::new(&AllocatorCreateDesc {
             instance: instance.clone(),
             device: device.clone(),
@@ -149,7 +149,7 @@ impl Gpu {
             acceleration: (backend == Backend::RayQuery)
                 .then(|| khr::acceleration_structure::Device::new(&instance, &device)),
             device,
-            queue,
+            queue: Mutex::new(queue),
             queue_family,
             info,
             backend,
@@ -170,9 +170,15 @@ impl Gpu {
 
     /// Waits until the queue has nothing left to do: for tools and for the end, never within a frame.
     pub(crate) fn wait(&self) -> Result<()> {
-        // SAFETY: the queue is valid, and used by this thread alone (from_raw's contract).
-        unsafe { self.inner.device.queue_wait_idle(self.inner.queue) }
+        let queue = self.queue();
+        // SAFETY: the queue is valid and locked.
+        unsafe { self.inner.device.queue_wait_idle(*queue) }
             .map_err(|result| vulkan_error("wait for the queue", result))
+    }
+
+    /// The queue, for this thread alone while the guard lives.
+    pub(super) fn queue(&self) -> MutexGuard<'_, vk::Queue> {
+        self.inner.queue.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     pub(super) fn device(&self) -> &ash::Device {

@@ -106,6 +106,23 @@ impl<'a> Recorder<'a> {
         unsafe { self.gpu.device().cmd_copy_buffer(self.commands, from.handle, to.handle, &region) };
     }
 
+    /// Copies an image into another of its size and format.
+    pub(crate) fn copy_image(&mut self, from: &Image, to: &Image) {
+        self.barrier(PassKind::Transfer.stages(), &[]);
+        let (source, target) = (whole(from), whole(to));
+        let region = [vk::ImageCopy {
+            src_subresource: source.image_subresource,
+            dst_subresource: target.image_subresource,
+            extent: source.image_extent,
+            ..Default::default()
+        }];
+        let general = vk::ImageLayout::GENERAL;
+        // SAFETY: both images are in the layout GENERAL, of one size and format, and were made for transfers.
+        unsafe {
+            self.gpu.device().cmd_copy_image(self.commands, from.handle, general, to.handle, general, &region);
+        }
+    }
+
     /// Copies pixels into an image's first mip level.
     pub(crate) fn copy_to_image(&mut self, from: &Buffer, to: &Image) {
         self.barrier(PassKind::Transfer.stages(), &[]);

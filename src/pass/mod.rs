@@ -86,5 +86,10 @@ impl TexelList {
 
 /// Work groups of a pass over texels of the list; one at least, which has nothing to do where there are none.
 fn groups_of(push: &Push) -> [u32; 2] {
-    [push.texel_count.div_ceil(GROUP).max(1), 1]
+    let groups = push.texel_count.div_ceil(GROUP).max(1);
+    let width = groups.min(GROUPS_IN_A_ROW);
+    [width, groups.div_ceil(width)]
 }
+
+/// Every device takes 65,535 work groups along an axis: a map of 2048 x 2048 texels has more in one row.
+const GROUPS_IN_A_ROW: u32 = 32_768;

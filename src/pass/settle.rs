@@ -27,7 +27,8 @@ impl Settle {
     /// `rows`: its start is a multiple of the work group's side.
     pub(crate) fn record(&self, recorder: &mut Recorder<'_>, push: &Push, rows: Range<u32>) {
         let groups = [push.map_size[0].div_ceil(SQUARE_GROUP), (rows.end - rows.start).div_ceil(SQUARE_GROUP)];
-        let push = Push { first_texel: rows.start, ..*push };
+        // Which texels are given up depends on geometry alone, not on the seed.
+        let push = Push { first_texel: rows.start, seed: [0, 0], ..*push };
         recorder.dispatch(&self.pipeline, &self.set, &push, groups, "settle");
     }
 }

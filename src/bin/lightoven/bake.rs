@@ -2,19 +2,19 @@
 
 use crate::Ending;
 use crate::arguments::{Bake, SkyArgument};
+use crate::paths;
 use crate::progress::{Bar, Visibility};
 use crate::report::{Measured, Report, write_json};
 use crate::{interrupt, load, messages};
 use lightoven::baker::{BakeSettings, Baker, LightMap, Outcome};
 use lightoven::headless::{Headless, HeadlessSettings, Validation};
 use lightoven::io::exr::{Metadata, write_light_map};
-use lightoven::io::{check_writable, preview};
+use lightoven::io::preview;
 use lightoven::scene::Scene;
 use lightoven::{Error, ErrorKind, Result};
 use std::fmt::Write as _;
-use std::fs;
 use std::ops::ControlFlow;
-use std::path::{Path, PathBuf};
+
 use std::time::Instant;
 
 /// Bakes; `start` is when the command began.
@@ -159,27 +159,5 @@ fn check_paths(arguments: &Bake) -> Result<()> {
         Some(SkyArgument::File(path)) => Some(path),
         _ => None,
     };
-    let inputs = [("the scene", Some(&arguments.scene)), ("--sky", sky)];
-    let mut taken: Vec<(&str, PathBuf)> =
-        inputs.into_iter().filter_map(|(name, path)| Some((name, identity(path?)))).collect();
-    for (name, path) in outputs {
-        let Some(path) = path else { continue };
-        let identity = identity(path);
-        if let Some((other, _)) = taken.iter().find(|(_, taken)| *taken == identity) {
-            let context = format!("{name} is '{}', the same file as {other}; allowed is another", path.display());
-            return Err(Error::new(ErrorKind::InvalidSettings, context));
-        }
-        taken.push((name, identity));
-        check_writable(path)?;
-    }
-    Ok(())
-}
-
-/// One path for a file, however it is spelled, whether it exists or not.
-fn identity(path: &Path) -> PathBuf {
-    let through_folder = || {
-        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        Some(fs::canonicalize(folder).ok()?.join(path.file_name()?))
-    };
-    fs::canonicalize(path).ok().or_else(through_folder).unwrap_or_else(|| path.to_path_buf())
+    paths::check(&[("the scene", Some(&arguments.scene)), ("--sky", sky)], &outputs)
 }

@@ -1,9 +1,10 @@
 //! `lightoven compare`: how far a light map is from a reference.
 
 use crate::arguments::Compare;
+use crate::paths;
 use crate::report::write_json;
 use crate::{Ending, messages};
-use lightoven::io::{check_writable, exr, luminance};
+use lightoven::io::{exr, luminance};
 use lightoven::{Error, ErrorKind, Result};
 use serde::Serialize;
 
@@ -19,9 +20,8 @@ const BRIGHTNESS: [f64; 4] = [DARK, 0.1, 1.0, 10.0];
 
 /// Reads both, compares, says how they differ.
 pub(crate) fn run(arguments: &Compare) -> Result<Ending> {
-    if let Some(path) = &arguments.report {
-        check_writable(path)?;
-    }
+    let inputs = [("the first light map", Some(&arguments.a)), ("the second one", Some(&arguments.b))];
+    paths::check(&inputs, &[("--report", arguments.report.as_ref())])?;
     let (width, height, a) = exr::read_image(&arguments.a)?;
     let (b_width, b_height, b) = exr::read_image(&arguments.b)?;
     let (a_name, b_name) = (arguments.a.display(), arguments.b.display());

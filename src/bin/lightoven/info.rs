@@ -3,12 +3,11 @@
 use crate::Ending;
 use crate::arguments::{Info, SceneArguments};
 use crate::{load, messages};
-use glam::DAffine3;
-use lightoven::Result;
 use lightoven::baker::{BakeSettings, Bounces, MemoryEstimate, estimate_memory};
 use lightoven::gpu::DeviceInfo;
 use lightoven::headless::devices;
 use lightoven::scene::{Atlas, LightKind, Scene, Sky};
+use lightoven::{Features, Result};
 use std::fmt::{Display, Write as _};
 
 /// Lists devices, then the scene. What can be said is said before the error of what cannot.
@@ -123,7 +122,7 @@ fn bake_text(scene: &Scene, arguments: &SceneArguments) -> Result<String> {
     layout_text(&mut text, &atlas);
     memory_text(&mut text, &memory);
     text.line("left out");
-    let left_out = left_out(scene);
+    let left_out = Features::required(scene).left_out();
     left_out.iter().for_each(|what| text.line(format_args!("  {what}")));
     if left_out.is_empty() {
         text.line("  nothing");
@@ -148,20 +147,6 @@ fn memory_text(text: &mut Text, memory: &MemoryEstimate) {
         text.entry(name, bytes(*size));
     }
     text.entry("total", bytes(memory.total()));
-}
-
-/// What a bake of this scene does without.
-fn left_out(scene: &Scene) -> Vec<&'static str> {
-    let textured = scene.materials().iter().any(|m| m.albedo_texture.is_some() || m.emission_texture.is_some());
-    let one_level = matches!(scene.instances(), [one] if one.transform == DAffine3::IDENTITY);
-    let checks = [
-        (*scene.sky() == Sky::Black, "the sky: it is black (--sky sets one)"),
-        (scene.lights().is_empty(), "the direct pass: there are no point, spot or directional lights"),
-        (count_triangles(scene).emissive == 0, "emission: no triangle is emissive"),
-        (!textured, "textures: no material has one"),
-        (one_level, "the top level of the BVH: there is one instance, in its place"),
-    ];
-    checks.into_iter().filter_map(|(absent, what)| absent.then_some(what)).collect()
 }
 
 /// Bytes in the largest unit of 1024 that leaves at least 1.

@@ -1,4 +1,5 @@
-//! Ctrl-C, SIGTERM and SIGHUP: once to stop and keep what is there, twice to end at once.
+//! Ctrl-C, SIGTERM and SIGHUP: stop and keep what is there. That takes a slice and a write, so that a second one has
+//! nothing to hurry; to leave in the middle of a driver's call or of a write would crash or leave a part of a file.
 
 use crate::messages;
 use lightoven::{Error, ErrorKind, Result};
@@ -12,10 +13,9 @@ static REQUESTED: AtomicBool = AtomicBool::new(false);
 /// Takes over the signals.
 pub(crate) fn install() -> Result<()> {
     let handler = || {
-        if REQUESTED.swap(true, Ordering::SeqCst) {
-            std::process::exit(i32::from(EXIT_CODE));
+        if !REQUESTED.swap(true, Ordering::SeqCst) {
+            messages::line("interrupted: writing what is there");
         }
-        messages::line("interrupted: writing what is there; once more to end at once");
     };
     ctrlc::set_handler(handler)
         .map_err(|error| Error::new(ErrorKind::Unsupported, "cannot listen for Ctrl-C").with_source(error))

@@ -9,6 +9,7 @@ mod info;
 mod interrupt;
 mod load;
 mod messages;
+mod paths;
 mod progress;
 mod report;
 mod values;

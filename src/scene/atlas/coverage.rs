@@ -5,6 +5,9 @@ use glam::{UVec2, Vec2};
 /// Fractional bits of a coordinate: shared edges are then exact, and neighbours never claim the same centre.
 const SUBTEXEL_BITS: u32 = 8;
 
+/// The owner of a texel that has been counted as covered more than once.
+const COUNTED: u32 = u32::MAX;
+
 /// Which instance covers each texel's centre.
 pub(super) struct Coverage {
     size: UVec2,
@@ -12,9 +15,9 @@ pub(super) struct Coverage {
     owners: Vec<u32>,
     /// Texels covered at least once.
     pub(super) covered: usize,
-    /// Times that an instance covered a texel of another one.
+    /// Texels that two instances cover.
     pub(super) between_instances: usize,
-    /// Times that an instance covered a texel of its own again.
+    /// Texels that one instance covers twice.
     pub(super) within_instance: usize,
 }
 
@@ -54,8 +57,15 @@ impl Coverage {
                 self.owners[texel] = instance + 1;
                 self.covered += 1;
             }
-            owner if owner == instance + 1 => self.within_instance += 1,
-            _ => self.between_instances += 1,
+            COUNTED => {}
+            owner => {
+                self.owners[texel] = COUNTED;
+                if owner == instance + 1 {
+                    self.within_instance += 1;
+                } else {
+                    self.between_instances += 1;
+                }
+            }
         }
     }
 }
