@@ -12,7 +12,7 @@ use lightoven::scene::{Resolution, Scene};
 use std::ops::ControlFlow;
 use std::path::Path;
 
-on_both_back_ends!(again, cut_differently, another_seed, continued);
+on_both_back_ends!(again, cut_differently, another_seed, continued, read_twice, ended_at_once);
 
 /// Instances, textures, lights, a sky of its own.
 fn courtyard() -> Scene {
@@ -49,7 +49,7 @@ fn again(gpu: &Gpu) {
 fn cut_differently(gpu: &Gpu) {
     let (timed, _) = bake(gpu, &[256], Slice::default(), 7);
     // The whole map at once, and a work group at a time.
-    for texels in [u32::MAX / 2, 1] {
+    for texels in [u32::MAX, 1] {
         let (cut, slices) = bake(gpu, &[256], Slice::Texels(texels), 7);
         println!("{texels} texels a slice, {}: {slices} slices", gpu.backend().name());
         assert!(bits(&cut) == bits(&timed), "{texels} texels a slice give other bits than slices by time");
@@ -65,4 +65,34 @@ fn continued(gpu: &Gpu) {
     let (at_once, _) = bake(gpu, &[256], Slice::default(), 3);
     let (in_steps, _) = bake(gpu, &[64, 256], Slice::default(), 3);
     assert!(bits(&at_once) == bits(&in_steps), "a bake that went on differs from one without a stop");
+}
+
+fn stop_at(samples: u32) -> Stop {
+    Stop { samples: Some(samples), ..Stop::default() }
+}
+
+/// A light map that is looked at on the way leaves no trace in the final one.
+fn read_twice(gpu: &Gpu) {
+    let settings = BakeSettings { resolution: Resolution::Texels(64), seed: 3, ..BakeSettings::default() };
+    let mut baker = Baker::new(gpu, &courtyard(), &settings).unwrap();
+    let mut go_on = |_: &_| ControlFlow::Continue(());
+    baker.bake(&stop_at(64), &mut go_on).unwrap();
+    let early = baker.read_back().unwrap();
+    baker.bake(&stop_at(256), &mut go_on).unwrap();
+    let late = bits(&baker.read_back().unwrap());
+    assert!(bits(&early) != late);
+    assert!(bits(&bake(gpu, &[256], Slice::default(), 3).0) == late, "an earlier look changed the light map");
+}
+
+/// However early a bake is stopped, there is a light map: every texel has had the first few rays.
+fn ended_at_once(gpu: &Gpu) {
+    let settings =
+        BakeSettings { resolution: Resolution::Texels(64), slice: Slice::Texels(1), ..BakeSettings::default() };
+    let mut baker = Baker::new(gpu, &courtyard(), &settings).unwrap();
+    baker.bake(&stop_at(64), &mut |_| ControlFlow::Break(())).unwrap();
+    let map = baker.read_back().unwrap();
+    let lit = map.pixels.iter().filter(|pixel| pixel[3] == 1.0 && pixel[0] > 0.0).count();
+    let covered = map.pixels.iter().filter(|pixel| pixel[3] == 1.0).count();
+    println!("stopped at once, {}: {lit} of {covered} texels have light", gpu.backend().name());
+    assert!(lit * 2 > covered);
 }

@@ -7,12 +7,12 @@ mod device;
 mod shared_scenes;
 
 use device::on_both_back_ends;
-use glam::Vec3;
+use glam::{DAffine3, DVec3, Vec2, Vec3};
 use lightoven::Tracer;
 use lightoven::bvh::{Bvh, Hit, Ray};
 use lightoven::gpu::Gpu;
 use lightoven::io::gltf::{self, ReadSettings};
-use lightoven::scene::{Atlas, Resolution, Scene};
+use lightoven::scene::{Atlas, Instance, Material, MeshDesc, MeshPart, Resolution, Scene, SceneDesc};
 use shared_scenes::shared_scene;
 use std::path::Path;
 
@@ -56,12 +56,15 @@ fn agree(a: &Option<Hit>, b: &Option<Hit>, scale: f32) -> bool {
 }
 
 fn compare(path: &Path, gpu: &Gpu) {
-    let scene = gltf::read(path, &ReadSettings::default()).unwrap();
-    let atlas = Atlas::new(&scene, Resolution::Texels(64)).unwrap();
-    let bvh = Bvh::build(&scene, &atlas).unwrap();
-    let rays = random_rays(&scene);
+    compare_scene(&gltf::read(path, &ReadSettings::default()).unwrap(), gpu);
+}
+
+fn compare_scene(scene: &Scene, gpu: &Gpu) {
+    let atlas = Atlas::new(scene, Resolution::Texels(64)).unwrap();
+    let bvh = Bvh::build(scene, &atlas).unwrap();
+    let rays = random_rays(scene);
     let skip = vec![None; rays.len()];
-    let hits = Tracer::new(gpu, &scene, &bvh).unwrap().trace(&rays, &skip).unwrap();
+    let hits = Tracer::new(gpu, scene, &bvh).unwrap().trace(&rays, &skip).unwrap();
     let (lo, hi) = scene.bounds().unwrap();
     let scale = (hi - lo).length() as f32;
     let (mut differ, mut facing, mut any) = (0, 0, 0);
@@ -76,7 +79,7 @@ fn compare(path: &Path, gpu: &Gpu) {
     println!(
         "{}, {}: {found} of {RAYS} rays hit; {differ} differ from the host, {facing} in facing, {any} any-hit queries \
          differ",
-        path.display(),
+        scene.name(),
         gpu.backend().name()
     );
     assert!(found > RAYS / 10, "too few rays hit anything");
@@ -84,7 +87,7 @@ fn compare(path: &Path, gpu: &Gpu) {
     assert_eq!((facing, any > RAYS / 100_000), (0, false));
 }
 
-on_both_back_ends!(instances, level);
+on_both_back_ends!(instances, level, meshes_without_triangles);
 
 fn instances(gpu: &Gpu) {
     compare(&Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/courtyard.gltf"), gpu);
@@ -94,4 +97,29 @@ fn level(gpu: &Gpu) {
     if let Some(path) = shared_scene("wrackdm17.glb") {
         compare(&path, gpu);
     }
+}
+
+/// In first and in last place: their instances must not show another mesh.
+fn meshes_without_triangles(gpu: &Gpu) {
+    let corners = [Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y];
+    let square = MeshPart {
+        positions: corners.map(|c| (c * 2.0 - 1.0).extend(0.0)).to_vec(),
+        light_map_uvs: Some(corners.to_vec()),
+        indices: vec![0, 1, 2, 0, 2, 3],
+        ..MeshPart::default()
+    };
+    let mesh = |name: &str, parts| MeshDesc { name: name.into(), parts };
+    let place = |mesh: usize, z| Instance {
+        name: format!("{mesh}"),
+        mesh,
+        transform: DAffine3::from_translation(DVec3::new(0.0, 0.0, z)),
+    };
+    let scene = Scene::new(SceneDesc {
+        name: "meshes without triangles".into(),
+        meshes: vec![mesh("none", vec![]), mesh("square", vec![square]), mesh("none either", vec![])],
+        instances: vec![place(0, 3.0), place(1, 0.0), place(2, -3.0), place(1, 1.0)],
+        materials: vec![Material::default()],
+        ..SceneDesc::default()
+    });
+    compare_scene(&scene.unwrap(), gpu);
 }

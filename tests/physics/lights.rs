@@ -8,7 +8,7 @@ use lightoven::baker::Bounces;
 use lightoven::gpu::Gpu;
 use lightoven::scene::LightKind;
 
-on_both_back_ends!(point_light, spot_light, sun_on_a_level_plane, sun_on_a_tilted_plane);
+on_both_back_ends!(point_light, point_light_with_range, spot_light, sun_on_a_level_plane, sun_on_a_tilted_plane);
 
 /// Bakes one light over one black rectangle. The largest difference to `expected` of the texels' centres, relative to the
 /// largest expected irradiance.
@@ -44,6 +44,18 @@ fn point_light(gpu: &Gpu) {
     let expected = |point: DVec3| POSITION.z / POSITION.distance(point).powi(3);
     let error = worst(gpu, plane(), LightKind::Point { position: POSITION, range: None }, expected);
     assert_below(gpu, "point light", error, 1e-5);
+}
+
+/// KHR_lights_punctual, "Range Property".
+fn point_light_with_range(gpu: &Gpu) {
+    const RANGE: f32 = 2.0;
+    let expected = |point: DVec3| {
+        let distance = POSITION.distance(point);
+        let fade = (1.0 - (distance / f64::from(RANGE)).powi(4)).clamp(0.0, 1.0);
+        fade * POSITION.z / distance.powi(3)
+    };
+    let error = worst(gpu, plane(), LightKind::Point { position: POSITION, range: Some(RANGE) }, expected);
+    assert_below(gpu, "point light with a range", error, 1e-5);
 }
 
 /// KHR_lights_punctual, "Inner and Outer Cone Angles".

@@ -6,9 +6,10 @@ use crate::stage::{Chart, Facing, Quad, Stage, level_square};
 use glam::{Quat, Vec3};
 use lightoven::baker::Bounces;
 use lightoven::gpu::Gpu;
+use lightoven::scene::{Sky, SkyMap};
 use std::f64::consts::PI;
 
-on_both_back_ends!(level, inclined, upright, downward);
+on_both_back_ends!(level, inclined, upright, downward, map_of_an_upper_half, map_of_a_side);
 
 /// Radiance of the sky, and albedo of the ground.
 const SKY: f32 = 2.0;
@@ -51,4 +52,41 @@ fn upright(gpu: &Gpu) {
 
 fn downward(gpu: &Gpu) {
     plate(gpu, 160.0);
+}
+
+/// Irradiance of a small plate under a map of 4 x 2 pixels, those for which `lit` (column, row) has a radiance of 1.
+fn under_map(gpu: &Gpu, normal: Vec3, lit: fn(u32, u32) -> bool) -> f64 {
+    let mut stage = Stage::new();
+    let black = stage.material(0.0, 0.0);
+    let pixels = (0..8).map(|i| if lit(i % 4, i / 4) { Vec3::ONE } else { Vec3::ZERO }).collect();
+    stage.desc.sky = Sky::Map(SkyMap { width: 4, height: 2, pixels });
+    let chart = Chart::new(0);
+    let (u, v) = normal.any_orthonormal_pair();
+    let quad = Quad {
+        corner: Vec3::ZERO,
+        u,
+        v: if u.cross(v).dot(normal) > 0.0 { v } else { -v },
+        chart: Some(chart),
+        material: black,
+    };
+    mean(&crate::estimate::bake(gpu, &stage.with(&[quad]), 64, Bounces::Auto, 0).0, chart)
+}
+
+/// The top row is straight up: exact, for every ray of a level plate sees that half or none.
+fn map_of_an_upper_half(gpu: &Gpu) {
+    let up = under_map(gpu, Vec3::Y, |_, row| row == 0);
+    let down = under_map(gpu, Vec3::NEG_Y, |_, row| row == 0);
+    println!("upper half lit, {}: {up} facing up, {down} facing down", gpu.backend().name());
+    assert!((up - PI).abs() < 1e-5 && down == 0.0);
+}
+
+/// The two middle columns are the half toward +x.
+fn map_of_a_side(gpu: &Gpu) {
+    let [toward, away] =
+        [Vec3::X, Vec3::NEG_X].map(|normal| under_map(gpu, normal, |column, _| column == 1 || column == 2));
+    let quarter = under_map(gpu, Vec3::Z, |column, _| column == 2);
+    println!("half toward +x lit, {}: {toward}, {away}; its +z quarter: {quarter}", gpu.backend().name());
+    assert!((toward - PI).abs() < 1e-5 && away == 0.0);
+    // Half of what a plate toward +z sees, within the noise of 64 stratified rays a texel over a whole chart.
+    assert!((quarter - PI / 2.0).abs() < 0.02 * PI, "a quarter toward +x and +z gives {quarter}");
 }
