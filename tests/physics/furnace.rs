@@ -55,10 +55,10 @@ fn all_but_a_hundredth(gpu: &Gpu) {
     assert_uniform(gpu, "furnace .99", &furnace(gpu, 0.99, Bounces::Auto, WHOLE), 1e-2);
 }
 
-/// What the automatic number of bounces promises: a thousandth may be missing.
+/// What the automatic number of bounces promises: a ten-thousandth may be missing, and what 32-bit floats round.
 fn automatic_bounces(gpu: &Gpu) {
     let furnace = furnace(gpu, 0.9, Bounces::Auto, WHOLE);
-    assert_uniform(gpu, "furnace .9, automatic bounces", &furnace, 1e-3 * 1.01);
+    assert_uniform(gpu, "furnace .9, automatic bounces", &furnace, 1.1e-4);
 }
 
 /// Texels that a chart covers in part, just touches, or covers all but a sliver of see the same as all others.
