@@ -42,14 +42,14 @@ impl Baker {
         let constants = Constants::new(features, &bvh);
         let context = Context { gpu, constants, scene: &device_scene, maps: &maps };
         let push = push_of(scene, settings, &bvh, &device_scene, size);
-        let surfaces = draw_surfaces(context, &mut commands, scene, &bvh, &push)?;
+        let compile = draw_surfaces(context, &mut commands, scene, &bvh, &push)?;
         let texels = list_texels(gpu, &mut commands, &maps, &mut statistics)?;
-        statistics.seconds.gbuffer = started.elapsed().as_secs_f64() - surfaces.compile;
+        statistics.seconds.gbuffer = started.elapsed().as_secs_f64() - compile;
 
         let started = Instant::now();
         let passes = Passes::new(context, &mut commands, &texels, features)?;
         passes.first_use(&mut commands, &push)?;
-        statistics.seconds.compile = surfaces.compile + started.elapsed().as_secs_f64();
+        statistics.seconds.compile = compile + started.elapsed().as_secs_f64();
         Ok(Self {
             commands,
             passes,
@@ -81,19 +81,8 @@ fn push_of(scene: &Scene, settings: &BakeSettings, bvh: &Bvh, device_scene: &Dev
     }
 }
 
-/// How long drivers compiled while the surfaces were drawn.
-struct Surfaces {
-    compile: f64,
-}
-
-/// The g-buffer, and where in its texels rays may start.
-fn draw_surfaces(
-    context: Context<'_>,
-    commands: &mut Commands,
-    scene: &Scene,
-    bvh: &Bvh,
-    push: &Push,
-) -> Result<Surfaces> {
+/// Draws the g-buffer and settles where in its texels rays may start; returns the seconds that went into compiling.
+fn draw_surfaces(context: Context<'_>, commands: &mut Commands, scene: &Scene, bvh: &Bvh, push: &Push) -> Result<f64> {
     let started = Instant::now();
     let gbuffer = Gbuffer::new(context, commands, scene, bvh)?;
     let settle = Settle::new(context)?;
@@ -114,7 +103,7 @@ fn draw_surfaces(
             Ok(())
         })?;
     }
-    Ok(Surfaces { compile })
+    Ok(compile)
 }
 
 /// Rows that make up about this many texels are settled at once: some ten short rays each, well under a second.
