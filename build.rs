@@ -74,10 +74,10 @@ fn check(sources: &BTreeMap<String, String>) -> Result<()> {
 
 /// Writes the table of shaders that `src/gpu/shader.rs` includes.
 fn embed(sources: &BTreeMap<String, String>) -> Result<()> {
-    let root = env::var("CARGO_MANIFEST_DIR")?;
+    // Relative to wherever the crate is compiled: a build folder may serve more than one clone.
     let include = |source: &str, hardware| {
-        let path = Path::new(&root).join(module_path(source, hardware));
-        format!("include_bytes!({:?})", path.display().to_string())
+        let path = format!("/{}", module_path(source, hardware).display());
+        format!("include_bytes!(concat!(env!(\"CARGO_MANIFEST_DIR\"), {path:?}))")
     };
     let mut table = String::new();
     for (source, text) in sources.iter().filter(|(path, _)| is_stage(path)) {

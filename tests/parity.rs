@@ -12,7 +12,7 @@ use lightoven::Tracer;
 use lightoven::bvh::{Bvh, Hit, Ray};
 use lightoven::gpu::Gpu;
 use lightoven::io::gltf::{self, ReadSettings};
-use lightoven::scene::{Atlas, Instance, Material, MeshDesc, MeshPart, Resolution, Scene, SceneDesc};
+use lightoven::scene::{Atlas, Instance, Material, MeshDesc, MeshPart, Mobility, Resolution, Scene, SceneDesc};
 use shared_scenes::shared_scene;
 use std::path::Path;
 
@@ -113,6 +113,7 @@ fn meshes_without_triangles(gpu: &Gpu) {
         name: format!("{mesh}"),
         mesh,
         transform: DAffine3::from_translation(DVec3::new(0.0, 0.0, z)),
+        mobility: Mobility::Static,
     };
     let scene = Scene::new(SceneDesc {
         name: "meshes without triangles".into(),

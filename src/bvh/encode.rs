@@ -39,6 +39,10 @@ impl Bounds {
         Self { lo: self.lo.min(other.lo), hi: self.hi.max(other.hi) }
     }
 
+    pub(super) fn holds(self, other: Self) -> bool {
+        self.lo.cmple(other.lo).all() && self.hi.cmpge(other.hi).all()
+    }
+
     /// The box around the transformed box.
     pub(super) fn transformed(self, transform: &DAffine3) -> Self {
         let (centre, half) = ((self.lo + self.hi) * 0.5, (self.hi - self.lo) * 0.5);
@@ -136,7 +140,7 @@ impl Node {
     pub(super) const EMPTY: Self =
         Self { lo0: EMPTY, child0: LEAF, hi0: EMPTY, child1: LEAF, lo1: EMPTY, _pad0: 0, hi1: EMPTY, _pad1: 0 };
 
-    fn set_child(&mut self, side: usize, lo: Vec3, hi: Vec3, code: u32) {
+    pub(super) fn set_child(&mut self, side: usize, lo: Vec3, hi: Vec3, code: u32) {
         let (to_lo, to_hi, to_code) = match side {
             0 => (&mut self.lo0, &mut self.hi0, &mut self.child0),
             _ => (&mut self.lo1, &mut self.hi1, &mut self.child1),
@@ -149,7 +153,8 @@ impl InstanceRecord {
     pub(super) fn place(&mut self, transform: &DAffine3, inverse: &DAffine3) {
         self.object_to_world = rows(transform);
         self.world_to_object = rows(inverse);
-        self.flags = if transform.matrix3.determinant() < 0.0 { Self::MIRRORED } else { 0 };
+        let mirrored = if transform.matrix3.determinant() < 0.0 { Self::MIRRORED } else { 0 };
+        self.flags = self.flags & !Self::MIRRORED | mirrored;
     }
 }
 

@@ -1,8 +1,8 @@
 //! A bounding volume hierarchy over the scene, built on the host and traversed on the device.
 //!
 //! Two levels: a top level over instances, in world space relative to [`Scene::centre`], and below it one bottom level
-//! for each mesh that is placed, in object space. A scene of exactly one instance has no top level; its mesh is
-//! transformed to world space here, in f64.
+//! for each mesh that is placed, in object space. A scene of exactly one instance, which does not move, has no top level;
+//! its mesh is transformed to world space here, in f64.
 //!
 //! From here on "primitive" is a triangle's slot in [`Bvh::triangles`], which is the order of the leaves;
 //! [`Bvh::order`] leads back to the mesh's own order. The traversal in `traverse.rs` reads the same arrays as the
@@ -10,18 +10,20 @@
 
 mod build;
 mod encode;
+mod top_level;
 mod traverse;
 
 pub use traverse::{Hit, Ray};
 
 use crate::error::{Error, ErrorKind, Result};
-use crate::scene::{Atlas, Instance, Mesh, Scene};
+use crate::scene::{Atlas, Instance, Mesh, Mobility, Scene};
 use bytemuck::{Pod, Zeroable};
 use encode::Bounds;
 use glam::{DAffine3, DVec3, Vec3};
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use std::borrow::Cow;
+use top_level::Placing;
 
 /// Marks the code of a leaf.
 pub const LEAF: u32 = 1 << 31;
@@ -81,7 +83,7 @@ pub struct InstanceRecord {
     pub root: u32,
     /// First primitive of the mesh.
     pub first_primitive: u32,
-    /// [`InstanceRecord::MIRRORED`] or 0.
+    /// [`InstanceRecord::MIRRORED`], [`InstanceRecord::ABSENT`].
     pub flags: u32,
     /// Unused.
     pub _pad: u32,
@@ -92,6 +94,8 @@ pub struct InstanceRecord {
 impl InstanceRecord {
     /// The transform's determinant is negative.
     pub const MIRRORED: u32 = 1;
+    /// Rays pass it by, and none start from it.
+    pub const ABSENT: u32 = 2;
 }
 
 /// Where a mesh lies; all 0 for one that no instance places.
@@ -133,6 +137,7 @@ pub struct Bvh {
     /// `[instance]`.
     mesh_of: Vec<usize>,
     bottom_nodes: usize,
+    placing: Placing,
 }
 
 /// What the top level has to know of a bottom level.
@@ -144,8 +149,9 @@ struct BottomLevel {
     reach: f64,
 }
 
-/// Reach may grow this much between builds before the padding of the boxes no longer holds, see `encode.rs`.
-const REACH_SLACK: f64 = 2.0;
+/// Boxes of a scene in which something moves are padded for a world this much larger, so that there is room to move. The
+/// padding is then 2e-6 of the scene's extent.
+const MOVING_REACH: f64 = 8.0;
 
 impl Bvh {
     /// Builds the hierarchy. Meshes that no instance places are left out.
@@ -156,8 +162,9 @@ impl Bvh {
     pub fn build(scene: &Scene, atlas: &Atlas) -> Result<Self> {
         let centre = scene.centre();
         let mut transforms: Vec<DAffine3> = scene.instances().iter().map(|i| scene.centred(i, centre)).collect();
+        let moves = scene.instances().iter().any(|instance| instance.mobility == Mobility::Movable);
         let baked_transform = match transforms.as_mut_slice() {
-            [only] => Some(std::mem::replace(only, DAffine3::IDENTITY)),
+            [only] if !moves => Some(std::mem::replace(only, DAffine3::IDENTITY)),
             _ => None,
         };
         let mesh_of: Vec<usize> = scene.instances().iter().map(|instance| instance.mesh).collect();
@@ -175,49 +182,18 @@ impl Bvh {
             levels: sources.iter().map(|source| source.as_ref().map(Source::level)).collect(),
             mesh_of,
             bottom_nodes: 0,
+            placing: Placing::new(transforms),
         };
-        let reaches = bvh.reaches(&transforms)?;
+        let room = if moves { MOVING_REACH } else { 1.0 };
+        let reaches: Vec<f64> = bvh.reaches()?.into_iter().map(|reach| reach * room).collect();
         for (mesh, (source, reach)) in sources.iter().zip(reaches).enumerate() {
             if let Some(source) = source {
                 bvh.append_mesh(mesh, source, reach);
             }
         }
         bvh.bottom_nodes = bvh.nodes.len();
-        bvh.finish(&transforms);
+        bvh.build_top_level();
         Ok(bvh)
-    }
-
-    /// Places the instances anew: `[instance]`, object to world as in the scene. Only instance records and the nodes of
-    /// the top level change, which lie behind all others; their number stays the same, `stack_size` may not.
-    ///
-    /// # Errors
-    /// `InvalidSettings`, nothing being changed: another number of transforms than instances; a transform that is
-    /// singular or not finite. `Unsupported`: the scene has no top level, or an object moved so far away or became so
-    /// small beside the scene that its boxes are no longer wide enough for rounding; the scene is to be built anew.
-    pub fn rebuild_top_level(&mut self, transforms: &[DAffine3]) -> Result<()> {
-        let fail = |what: String| Err(Error::settings(what));
-        if transforms.len() != self.instances.len() {
-            return fail(format!("{} transforms for {} instances", transforms.len(), self.instances.len()));
-        }
-        if self.top_root.is_none() {
-            return Err(Error::new(ErrorKind::Unsupported, "a scene without a top level cannot be moved in part"));
-        }
-        let usable = |t: &DAffine3| t.is_finite() && t.matrix3.determinant() != 0.0 && t.inverse().is_finite();
-        if let Some(index) = transforms.iter().position(|t| !usable(t)) {
-            return fail(format!("the transform of instance {index} is singular or not finite"));
-        }
-        let centred = |t: &DAffine3| DAffine3 { translation: t.translation - self.centre, ..*t };
-        let transforms: Vec<DAffine3> = transforms.iter().map(centred).collect();
-        let reaches = self.reaches(&transforms)?;
-        for (mesh, (level, reach)) in self.levels.iter().zip(reaches).enumerate() {
-            if level.is_some_and(|level| reach > level.reach * REACH_SLACK) {
-                let what =
-                    format!("mesh {mesh} moved too far for its boxes: coordinate {reach:e}; build the scene anew");
-                return Err(Error::new(ErrorKind::Unsupported, what));
-            }
-        }
-        self.finish(&transforms);
-        Ok(())
     }
 
     /// Position of an instance's mesh in the scene's list.
@@ -254,57 +230,6 @@ impl Bvh {
         self.triangles.extend(order.iter().map(triangle));
         self.meshes[mesh] = MeshRange { root, first_primitive, count: order.len() as u32 };
         self.levels[mesh] = Some(BottomLevel { stack_size, reach, ..source.level() });
-    }
-
-    /// The largest coordinate in each mesh's space: its own bounds, and all that a ray can start from.
-    fn reaches(&self, transforms: &[DAffine3]) -> Result<Vec<f64>> {
-        let mut reaches: Vec<f64> = self.levels.iter().map(|level| level.map_or(0.0, |l| l.bounds.reach())).collect();
-        let Some(world) = self.world_bounds(transforms) else { return Ok(reaches) };
-        encode::check_reach(|| "the scene".into(), world.reach())?;
-        for (index, (mesh, transform)) in self.mesh_of.iter().zip(transforms).enumerate() {
-            let reach = world.transformed(&transform.inverse()).reach();
-            encode::check_reach(|| format!("the scene, seen from instance {index},"), reach)?;
-            reaches[*mesh] = reaches[*mesh].max(reach);
-        }
-        Ok(reaches)
-    }
-
-    fn world_bounds(&self, transforms: &[DAffine3]) -> Option<Bounds> {
-        let placed = self.mesh_of.iter().zip(transforms);
-        placed.filter_map(|(mesh, t)| Some(self.levels[*mesh]?.bounds.transformed(t))).reduce(Bounds::union)
-    }
-
-    /// Writes instance records and the top level.
-    fn finish(&mut self, transforms: &[DAffine3]) {
-        for ((record, mesh), transform) in self.instances.iter_mut().zip(&self.mesh_of).zip(transforms) {
-            record.place(transform, &transform.inverse());
-            record.root = self.meshes[*mesh].root;
-            record.first_primitive = self.meshes[*mesh].first_primitive;
-        }
-        self.nodes.truncate(self.bottom_nodes);
-        let reach = self.world_bounds(transforms).map_or(0.0, Bounds::reach);
-        let placed = |(index, (mesh, t)): (usize, (&usize, &DAffine3))| {
-            let level = self.levels[*mesh]?;
-            Some((index as u32, level.stack_size, encode::instance_box(level.bounds, t, &t.inverse(), reach)))
-        };
-        let placed: Vec<_> = self.mesh_of.iter().zip(transforms).enumerate().filter_map(placed).collect();
-        if placed.is_empty() {
-            self.nodes.push(Node::EMPTY);
-            return;
-        }
-        if self.baked_transform.is_some() {
-            self.stack_size = placed[0].1;
-            return;
-        }
-        let boxes: Vec<Aabb> = placed.iter().map(|(_, _, aabb)| *aabb).collect();
-        self.stack_size = 1;
-        let stack_size = &mut self.stack_size;
-        let root = encode::flatten(&build::tree(&boxes, 1), encode::box_pad(reach), &mut self.nodes, |leaf, depth| {
-            let (instance, below, _) = placed[leaf[0] as usize];
-            *stack_size = (*stack_size).max(depth + below);
-            encode::leaf_code(instance, 1)
-        });
-        self.top_root = Some(root);
     }
 }
 

@@ -4,6 +4,16 @@ use super::Mesh;
 use crate::error::{Error, Result};
 use glam::DAffine3;
 
+/// Whether an instance may be moved, removed and added while a baker runs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Mobility {
+    /// It stays where it is, and its texels and those of others know each other: a texel inside it is given up.
+    #[default]
+    Static,
+    /// It may move. No texel is given up for it, since it may leave.
+    Movable,
+}
+
 /// A placed copy of a mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Instance {
@@ -14,12 +24,14 @@ pub struct Instance {
     /// Object to world, in f64 so that a scene far from the origin keeps its precision. Mirroring and non-uniform
     /// scales are allowed; a singular one leaves the instance out, with a warning.
     pub transform: DAffine3,
+    /// Whether it may move.
+    pub mobility: Mobility,
 }
 
 impl Instance {
     /// `Ok(false)` when the instance has to be left out.
     pub(super) fn check(&self, meshes: &[Mesh], warnings: &mut Vec<String>) -> Result<bool> {
-        let Self { name, mesh, transform } = self;
+        let Self { name, mesh, transform, mobility: _ } = self;
         if *mesh >= meshes.len() {
             let count = meshes.len();
             return Err(Error::scene(format!("instance '{name}' refers to mesh {mesh}; the scene has {count}")));

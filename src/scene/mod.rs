@@ -9,7 +9,7 @@ mod sky;
 pub mod atlas;
 
 pub use atlas::{Atlas, AtlasRect, Resolution};
-pub use instance::Instance;
+pub use instance::{Instance, Mobility};
 pub use light::{Light, LightKind};
 pub use material::{Material, Sidedness, Texture, TextureUse, Wrap};
 pub use mesh::{Mesh, MeshDesc, MeshPart};

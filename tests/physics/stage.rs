@@ -1,7 +1,7 @@
 //! Builds scenes of rectangles, each with a chart of its own in the light map.
 
 use glam::{DAffine3, DVec3, Vec2, Vec3};
-use lightoven::scene::{Instance, Light, LightKind, Material, MeshDesc, MeshPart, Scene, SceneDesc, Sky};
+use lightoven::scene::{Instance, Light, LightKind, Material, MeshDesc, MeshPart, Mobility, Scene, SceneDesc, Sky};
 
 /// Side of the light map of every scene here, texels.
 pub(crate) const SIDE: u32 = 128;
@@ -122,7 +122,7 @@ impl Stage {
         let parts = quads.iter().map(Quad::part).collect();
         let mesh = self.desc.meshes.len();
         self.desc.meshes.push(MeshDesc { name: format!("mesh {mesh}"), parts });
-        self.desc.instances.push(Instance { name: format!("instance {mesh}"), mesh, transform });
+        self.desc.instances.push(Instance { name: format!("instance {mesh}"), mesh, transform, mobility: Mobility::Static });
     }
 
     /// The scene with these rectangles as its only further mesh, where they are.

@@ -207,7 +207,7 @@ fn an_empty_scene_and_empty_meshes_are_missed() {
         (vec![quad()], vec![]),
     ] {
         let bvh = bvh_of(&scene(&soups, &placed));
-        assert_eq!((bvh.nodes.len(), bvh.stack_size, bvh.top_root), (1, 1, None));
+        assert_eq!((bvh.nodes.len(), bvh.stack_size, bvh.root()), (1, 1, 0));
         assert_eq!(bvh.trace_closest(&down, None), None);
     }
     let scene = scene(&[vec![], quad()], &[(0, DAffine3::IDENTITY), (1, DAffine3::IDENTITY)]);
@@ -255,18 +255,59 @@ fn moving_an_instance_moves_its_hits() {
     let down = ray(start.as_vec3(), Vec3::NEG_Z);
     assert_eq!(bvh.trace_closest(&down, None).map(|hit| hit.t), Some(4.0));
     let moved = [at(-4.0), at(1.5), DAffine3::from_translation(DVec3::X * -3.0)];
-    bvh.rebuild_top_level(&moved).expect("is rebuilt");
+    for (instance, transform) in moved.iter().enumerate() {
+        bvh.place(instance, transform).expect("is moved");
+    }
+    bvh.rebuild_top_level();
     validate(&bvh, &scene);
     assert_eq!(bvh.trace_closest(&down, None).map(|hit| hit.t), Some(6.5));
     assert_eq!(bvh.nodes.len(), before.nodes.len());
     assert_eq!(bvh.nodes[..bvh.bottom_nodes], before.nodes[..bvh.bottom_nodes]);
     let good = bvh.clone();
-    assert!(bvh.rebuild_top_level(&moved[..2]).is_err());
     let flat = DAffine3::from_scale(DVec3::new(1.0, 0.0, 1.0));
-    assert!(bvh.rebuild_top_level(&[flat, moved[1], moved[2]]).is_err());
-    let error = bvh.rebuild_top_level(&[at(1e4), moved[1], moved[2]]).expect_err("is too far");
+    assert!(bvh.place(0, &flat).is_err());
+    let error = bvh.place(0, &at(1e4)).expect_err("is too far");
     assert_eq!(error.kind(), ErrorKind::Unsupported);
-    assert_eq!(good.nodes, bvh.nodes);
+    bvh.rebuild_top_level();
+    assert_eq!((&good.nodes, &good.instances), (&bvh.nodes, &bvh.instances));
+}
+
+#[test]
+fn an_instance_that_is_taken_out_is_not_met() {
+    let at = |z: f64| DAffine3::from_translation(DVec3::Z * z);
+    let scene = scene(&[quad()], &[(0, at(-4.0)), (0, at(0.0)), (0, at(4.0))]);
+    let mut bvh = bvh_of(&scene);
+    let most = bvh.most_nodes();
+    let down = ray((DVec3::new(0.2, 0.1, 8.0) - bvh.centre).as_vec3(), Vec3::NEG_Z);
+    let mut met = |absent: &[usize]| {
+        (0..3).for_each(|instance| bvh.set_present(instance, !absent.contains(&instance)));
+        bvh.rebuild_top_level();
+        assert!(bvh.nodes.len() <= most && bvh.stack_size <= bvh.most_stack_size());
+        bvh.trace_closest(&down, None).map(|hit| hit.instance)
+    };
+    assert_eq!([met(&[]), met(&[2]), met(&[1, 2]), met(&[0, 1, 2]), met(&[0])], [Some(2), Some(1), Some(0), None, Some(2)]);
+}
+
+/// A thousand instances, in any order, need no more stack than was promised when the pipelines were made.
+#[test]
+fn the_stack_has_a_bound_whatever_moves() {
+    let mut random = Random(5);
+    let place = |random: &mut Random| {
+        DAffine3::from_translation(DVec3::from_array([0; 3].map(|_| f64::from(random.unit()) * 100.0)))
+    };
+    let instances: Vec<_> = (0..1000).map(|_| (0, place(&mut random))).collect();
+    let scene = scene(&[soup(&mut random, 64)], &instances);
+    let mut bvh = bvh_of(&scene);
+    let promised = bvh.most_stack_size();
+    for spread in [1.0, 0.0] {
+        for instance in 0..1000 {
+            let t = place(&mut random);
+            bvh.place(instance, &DAffine3::from_translation(t.translation * spread)).expect("is moved");
+        }
+        bvh.rebuild_top_level();
+        validate(&bvh, &scene);
+        assert!(bvh.stack_size <= promised && bvh.nodes.len() <= bvh.most_nodes());
+    }
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use crate::bvh::traverse::LocalRay;
 use crate::bvh::{Bvh, Hit, Ray};
-use crate::scene::{Atlas, AtlasRect, Instance, Material, MeshDesc, MeshPart, Scene, SceneDesc};
+use crate::scene::{Atlas, AtlasRect, Instance, Material, MeshDesc, MeshPart, Mobility, Scene, SceneDesc};
 use glam::{DAffine3, DMat3, UVec2, Vec2, Vec3};
 
 pub(super) type Soup = Vec<[Vec3; 3]>;
@@ -84,7 +84,7 @@ pub(super) fn scene(soups: &[Soup], placed: &[(usize, DAffine3)]) -> Scene {
         parts: vec![MeshPart { positions: soup.iter().flatten().copied().collect(), ..MeshPart::default() }],
     };
     let instance =
-        |(mesh, transform): &(usize, DAffine3)| Instance { name: "i".into(), mesh: *mesh, transform: *transform };
+        |(mesh, transform): &(usize, DAffine3)| Instance { name: "i".into(), mesh: *mesh, transform: *transform, mobility: Mobility::Static };
     Scene::new(SceneDesc {
         meshes: soups.iter().enumerate().map(mesh).collect(),
         instances: placed.iter().map(instance).collect(),

@@ -103,7 +103,7 @@ fn violations(root: &Root) -> Vec<String> {
     found
 }
 
-/// Parts that are never looked at: animations, cameras, attributes of an application's own (`_NAME`), the bounds of
+/// Parts that are not relied on: animations, of which it is only asked what they move, cameras, attributes of an application's own (`_NAME`), the bounds of
 /// positions, which real files leave out. Required extensions have been checked, and an accessor without a view is
 /// zeros.
 fn is_harmless(path: &str, violation: Violation) -> bool {

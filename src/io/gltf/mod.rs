@@ -2,6 +2,7 @@
 //!
 //! What becomes of a file:
 //! - The nodes of its default scene (else of its first scene, else all root nodes) become instances and lights.
+//! - A node that an animation moves, or a node above it, is movable.
 //! - `TEXCOORD_1` is the light map; a primitive without it blocks and emits light and receives none.
 //! - Base colour is albedo. The metallic factor is not looked at: a light map holds diffuse light, and a metal's share
 //!   of it is best guessed by its base colour.
@@ -59,6 +60,18 @@ pub struct ReadSettings {
 ///   JPEG, a URI scheme that is neither relative nor `data:`.
 /// - `InvalidScene`: the file is no glTF or contradicts itself, or [`Scene::new`] rejects what it describes.
 pub fn read(path: &Path, settings: &ReadSettings) -> Result<Scene> {
+    let (desc, warnings) = read_desc(path, settings)?;
+    let mut scene = Scene::new(desc)?;
+    warnings.into_iter().for_each(|warning| scene.warn(warning));
+    Ok(scene)
+}
+
+/// Reads a file as [`read`] does, for something to be added before [`Scene::new`] checks it; what had to be left out or
+/// taken for something else comes with it, one sentence each.
+///
+/// # Errors
+/// As [`read`], but for what [`Scene::new`] rejects.
+pub fn read_desc(path: &Path, settings: &ReadSettings) -> Result<(SceneDesc, Vec<String>)> {
     let container = container::open(path)?;
     let document = document::parse(path, &container.json)?;
     let folder = path.parent().unwrap_or(Path::new(""));
@@ -67,10 +80,10 @@ pub fn read(path: &Path, settings: &ReadSettings) -> Result<Scene> {
     let mut materials = Materials::new(settings.sidedness);
     let mut meshes = Meshes::default();
     let mut desc = SceneDesc { name: names::of_file(path), ..SceneDesc::default() };
-    for Placed { node, transform } in nodes::place(&document)? {
+    for Placed { node, transform, mobility } in nodes::place(&document)? {
         if let Some(mesh) = node.mesh() {
             let mesh = meshes.place(&mesh, node.skin().is_some(), &buffers, &mut materials)?;
-            desc.instances.push(Instance { name: names::of_node(&node), mesh, transform });
+            desc.instances.push(Instance { name: names::of_node(&node), mesh, transform, mobility });
         }
         if let Some(light) = node.light() {
             desc.lights.push(lights::read(&light, &node, &transform));
@@ -80,8 +93,5 @@ pub fn read(path: &Path, settings: &ReadSettings) -> Result<Scene> {
     warnings.extend(materials.warnings());
     desc.meshes = meshes.into_meshes();
     (desc.materials, desc.textures) = materials.load(&document, &buffers, folder)?;
-
-    let mut scene = Scene::new(desc)?;
-    warnings.into_iter().for_each(|warning| scene.warn(warning));
-    Ok(scene)
+    Ok((desc, warnings))
 }

@@ -2,8 +2,11 @@
 
 use super::names;
 use crate::error::{Error, Result};
+use crate::scene::Mobility;
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use gltf::scene::Transform;
+use gltf::json::animation::Property;
+use gltf::json::validation::Checked;
 use gltf::{Document, Node};
 
 /// Rounding allowed in the last row of a node's matrix.
@@ -14,6 +17,8 @@ pub(super) struct Placed<'a> {
     pub(super) node: Node<'a>,
     /// Node to world.
     pub(super) transform: DAffine3,
+    /// Movable where an animation moves the node or one above it.
+    pub(super) mobility: Mobility,
 }
 
 /// All nodes of the scene to be baked, parents before children, otherwise in the document's order.
@@ -22,9 +27,11 @@ pub(super) fn place(document: &Document) -> Result<Vec<Placed<'_>>> {
     let mut placed = Vec::new();
     let mut seen = vec![false; nodes.len()];
     // A stack of our own: a hierarchy may be deeper than the thread's.
-    let mut pending: Vec<(usize, DAffine3)> = roots(document).into_iter().map(|r| (r, DAffine3::IDENTITY)).collect();
+    let mut pending: Vec<(usize, DAffine3, Mobility)> =
+        roots(document).into_iter().map(|root| (root, DAffine3::IDENTITY, Mobility::Static)).collect();
     pending.reverse();
-    while let Some((index, parent)) = pending.pop() {
+    let animated = animated(document, nodes.len());
+    while let Some((index, parent, parent_mobility)) = pending.pop() {
         let node = &nodes[index];
         if std::mem::replace(&mut seen[index], true) {
             return Err(Error::scene(format!(
@@ -33,12 +40,26 @@ pub(super) fn place(document: &Document) -> Result<Vec<Placed<'_>>> {
             )));
         }
         let transform = parent * local(node)?;
+        let mobility = if animated[index] { Mobility::Movable } else { parent_mobility };
         let first_child = pending.len();
-        pending.extend(node.children().map(|child| (child.index(), transform)));
+        pending.extend(node.children().map(|child| (child.index(), transform, mobility)));
         pending[first_child..].reverse();
-        placed.push(Placed { node: node.clone(), transform });
+        placed.push(Placed { node: node.clone(), transform, mobility });
     }
     Ok(placed)
+}
+
+/// `[node]`: whether an animation moves it.
+fn animated(document: &Document, count: usize) -> Vec<bool> {
+    let mut animated = vec![false; count];
+    // Animations are not validated: what is broken in them moves nothing.
+    for channel in document.as_json().animations.iter().flat_map(|animation| &animation.channels) {
+        let moves = matches!(channel.target.path, Checked::Valid(path) if path != Property::MorphTargetWeights);
+        if let Some(node) = animated.get_mut(channel.target.node.value()).filter(|_| moves) {
+            *node = true;
+        }
+    }
+    animated
 }
 
 /// The root nodes of the default scene, else of the first one, else of the whole document.
