@@ -39,6 +39,8 @@ pub mod io;
 mod pass;
 pub mod scene;
 mod schedule;
+#[cfg_attr(not(test), expect(dead_code, reason = "the baker of changing scenes comes next"))]
+mod temporal;
 mod tracer;
 
 pub use error::{Error, ErrorKind, Result};

@@ -1,0 +1,391 @@
+//! The frame scheduler against a simulated device.
+
+use super::frame::{Extent, FrameScheduler, Needs, Stage, TILE, Work, samples_per_texel};
+use proptest::prelude::*;
+use std::collections::VecDeque;
+use std::ops::Range;
+use std::time::Duration;
+
+const ALL: Needs = Needs { direct: true, publish: true };
+const GATHER_ONLY: Needs = Needs { direct: false, publish: false };
+
+/// True costs, and what becomes of measurements.
+struct Device {
+    extent: Extent,
+    fixed_s: f64,
+    rays_per_s: f64,
+    /// Cost of tiles relative to each other; those of the second half.
+    indoors: f64,
+    noise: f64,
+    /// Frames after which measurements arrive.
+    late: usize,
+    timestamps: bool,
+    slowdown: f64,
+    random: u64,
+    pending: VecDeque<Vec<(Work, f64)>>,
+}
+
+/// What a frame was planned to be and was.
+struct Frame {
+    works: Vec<Work>,
+    seconds: f64,
+    /// The longest item in it, or the one that has been waited for.
+    item_s: f64,
+}
+
+impl Device {
+    fn new(extent: Extent, rays_per_s: f64) -> Self {
+        let (pending, random) = (VecDeque::new(), 0x9e37_79b9_7f4a_7c15);
+        let (fixed_s, indoors, noise, late) = (30e-6, 1.0, 0.1, 0);
+        Self { extent, fixed_s, rays_per_s, indoors, noise, late, timestamps: true, slowdown: 1.0, random, pending }
+    }
+
+    /// About normal, of deviation 1.
+    fn normal(&mut self) -> f64 {
+        let mut uniform = || {
+            self.random = self.random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (self.random >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        (0..12).map(|_| uniform()).sum::<f64>() - 6.0
+    }
+
+    fn noisy(&mut self, seconds: f64) -> f64 {
+        seconds * (1.0 + self.noise * self.normal()).max(0.3)
+    }
+
+    fn item_s(&self, work: &Work, item: u32) -> f64 {
+        let texels = f64::from(TILE.min(self.extent.texels.saturating_sub(item * TILE)));
+        let relative = if item >= self.extent.tiles() / 2 { self.indoors } else { 1.0 };
+        let seconds = match work.stage {
+            Stage::Direct => texels * f64::from(self.extent.lights.max(1)) * 0.5 / self.rays_per_s,
+            Stage::Gather => texels * 16.0 * f64::from(work.quanta) * relative / self.rays_per_s,
+            Stage::Publish => f64::from(self.extent.texels_per_block_row) * 0.1 / self.rays_per_s,
+        };
+        seconds * self.slowdown
+    }
+
+    /// Plans and carries out a frame; measurements arrive late.
+    fn frame(&mut self, scheduler: &mut FrameScheduler, budget_s: f64, needs: Needs) -> Frame {
+        let works = scheduler.plan(Duration::from_secs_f64(budget_s), needs, 0.0).to_vec();
+        let mut frame = Frame { works: works.clone(), seconds: 0.0, item_s: 0.0 };
+        let mut measured = Vec::new();
+        for work in works {
+            let longest_s = work.items.clone().map(|item| self.item_s(&work, item)).fold(0.0, f64::max);
+            let exact_s = self.fixed_s + work.items.clone().map(|item| self.item_s(&work, item)).sum::<f64>();
+            let seconds = self.noisy(exact_s);
+            frame.seconds += seconds;
+            frame.item_s = frame.item_s.max(longest_s + self.fixed_s);
+            measured.push((work, self.noisy(seconds)));
+        }
+        self.pending.push_back(measured);
+        while self.pending.len() > self.late {
+            self.deliver(scheduler);
+        }
+        frame
+    }
+
+    fn deliver(&mut self, scheduler: &mut FrameScheduler) {
+        let Some(measured) = self.pending.pop_front() else { return };
+        if self.timestamps {
+            for (work, seconds) in &measured {
+                scheduler.measured(work, *seconds, false);
+            }
+        } else {
+            let seconds = measured.iter().map(|(_, seconds)| seconds).sum();
+            let works: Vec<_> = measured.into_iter().map(|(work, _)| work).collect();
+            scheduler.measured_frame(&works, seconds);
+        }
+    }
+}
+
+fn extent(tiles: u32) -> Extent {
+    let texels = tiles * TILE - 100.min(tiles);
+    Extent { texels, lights: 4, block_rows: tiles.div_ceil(32), texels_per_block_row: 32 * TILE, fixed_quanta: None }
+}
+
+/// 95th percentile of the frames' times, less an item, and mean use, both in budgets.
+fn adherence(device: &mut Device, budget_s: f64, needs: Needs) -> (f64, f64) {
+    let mut scheduler = FrameScheduler::new(device.extent);
+    for _ in 0..400 {
+        device.frame(&mut scheduler, budget_s, needs);
+    }
+    let frames: Vec<_> = (0..1000).map(|_| device.frame(&mut scheduler, budget_s, needs)).collect();
+    let mut over: Vec<_> = frames.iter().map(|frame| (frame.seconds - frame.item_s) / budget_s).collect();
+    over.sort_by(f64::total_cmp);
+    (over[950], frames.iter().map(|frame| frame.seconds).sum::<f64>() / 1000.0 / budget_s)
+}
+
+/// Tiles that fill a frame even at the most quanta.
+fn can_fill(device: &Device, budget_s: f64) -> bool {
+    let work = Work { stage: Stage::Gather, items: 0..1, quanta: 64, ends_stage: false };
+    let tile_s = device.item_s(&work, 0).min(0.7 * 4e-3_f64.min(budget_s / 2.0));
+    tile_s * f64::from(device.extent.tiles()) > 1.1 * budget_s
+}
+
+#[test]
+fn the_budget_is_kept_and_used() {
+    let (mut most_over, mut least_use) = (0.0_f64, f64::INFINITY);
+    for (budget_ms, rays_per_s, tiles) in cases() {
+        for (needs, indoors, late, timestamps) in [
+            (ALL, 1.0, 2, true),
+            (ALL, 4.0, 2, true),
+            (GATHER_ONLY, 1.0, 0, true),
+            (GATHER_ONLY, 4.0, 2, true),
+            (ALL, 1.0, 2, false),
+        ] {
+            let mut device = Device { indoors, late, timestamps, ..Device::new(extent(tiles), rays_per_s) };
+            let budget_s = budget_ms * 1e-3;
+            let (over, used) = adherence(&mut device, budget_s, needs);
+            let case =
+                format!("{budget_ms} ms, {rays_per_s:e} rays/s, {tiles} tiles, {needs:?}, {indoors}, {late} late");
+            assert!(over <= 1.15, "{case}, times {timestamps}: {over}");
+            most_over = most_over.max(over);
+            if budget_ms >= 4.0 && can_fill(&device, budget_s) {
+                assert!(used >= 0.75, "{case}, times {timestamps}: {used}");
+                least_use = least_use.min(used);
+            }
+        }
+    }
+    println!("95th percentile less an item {most_over:.3}, mean use {least_use:.3} of the budget");
+}
+
+/// Budgets in milliseconds, rays a second and numbers of tiles.
+fn cases() -> Vec<(f64, f64, u32)> {
+    let mut cases = Vec::new();
+    for budget_ms in [2.0, 4.0, 8.0, 16.0] {
+        for rays_per_s in [0.5e6, 3e6, 20e6, 100e6, 500e6] {
+            cases.extend([3, 17, 150, 4096].map(|tiles| (budget_ms, rays_per_s, tiles)));
+        }
+    }
+    cases
+}
+
+/// Slow frames: only those in flight are too long; soon after the last, all is as before.
+#[test]
+fn a_spike_is_answered_at_once_and_forgotten() {
+    let mut longest = 0.0_f64;
+    for (budget_ms, rays_per_s, tiles) in cases().into_iter().filter(|(_, rate, tiles)| *rate > 10e6 && *tiles > 100) {
+        for (late, slow_frames) in [(0, 1), (2, 1), (0, 40), (2, 40)] {
+            let budget_s = 1e-3 * budget_ms;
+            let mut device = Device { late, ..Device::new(extent(tiles), rays_per_s) };
+            let mut scheduler = FrameScheduler::new(device.extent);
+            let mut frames = |device: &mut Device, slowdown, count| -> Vec<_> {
+                device.slowdown = slowdown;
+                let frame = |_| device.frame(&mut scheduler, budget_s, GATHER_ONLY).seconds / budget_s;
+                (0..count).map(frame).collect()
+            };
+            let usual = frames(&mut device, 1.0, 200)[100..].iter().sum::<f64>() / 100.0;
+            let slow = frames(&mut device, 10.0, slow_frames);
+            let after = frames(&mut device, 1.0, 60);
+            let case = format!("{budget_ms} ms, {rays_per_s:e} rays/s, {tiles} tiles, {late} late, {slow_frames} slow");
+            let over = slow.iter().filter(|used| **used > 2.0).count();
+            assert!(over <= late + 1, "{case}: {slow:?}");
+            longest = after.iter().copied().fold(longest, f64::max);
+            assert!(after.iter().all(|used| *used < 1.75), "{case}: {after:?}");
+            assert!(after[30..].iter().sum::<f64>() / 30.0 > 0.85 * usual, "{case}: {after:?}");
+        }
+    }
+    println!("longest frame after a spike {longest:.3} budgets");
+}
+
+#[test]
+fn quanta_fill_a_frame() {
+    for (tiles, budget_s, least, most) in
+        [(4096, 2e-3, 1, 1), (64, 8e-3, 20, 30), (64, 2e-3, 5, 8), (16, 16e-3, 64, 64)]
+    {
+        let mut device = Device { noise: 0.0, ..Device::new(extent(tiles), 1e9 * 256.0 / 250.0) };
+        (device.rays_per_s, device.fixed_s) = (1e9, 10e-6);
+        let mut scheduler = FrameScheduler::new(device.extent);
+        let mut quanta = 0;
+        for _ in 0..200 {
+            let frame = device.frame(&mut scheduler, budget_s, GATHER_ONLY);
+            quanta = frame.works.last().map_or(quanta, |work| work.quanta);
+        }
+        assert!((least..=most).contains(&quanta), "{tiles} tiles, {budget_s} s: {quanta}");
+    }
+}
+
+#[test]
+fn no_budget_no_work_and_no_credit() {
+    let mut device = Device::new(extent(64), 1e6);
+    let mut scheduler = FrameScheduler::new(device.extent);
+    for _ in 0..1000 {
+        assert!(device.frame(&mut scheduler, 0.0, ALL).works.is_empty());
+    }
+    assert!(device.frame(&mut scheduler, 1e-3, ALL).works.is_empty(), "a frame's credit is less than the first item");
+}
+
+#[test]
+fn a_huge_budget_gives_one_round() {
+    let mut device = Device::new(extent(64), 100e6);
+    let mut scheduler = FrameScheduler::new(device.extent);
+    for _ in 0..200 {
+        device.frame(&mut scheduler, 10.0, ALL);
+    }
+    let works = device.frame(&mut scheduler, 10.0, ALL).works;
+    for (stage, items) in [(Stage::Direct, 64), (Stage::Gather, 64), (Stage::Publish, 2)] {
+        let done: usize = works.iter().filter(|work| work.stage == stage).map(|work| work.items.len()).sum();
+        assert_eq!(done, items, "{stage:?}: {works:?}");
+    }
+}
+
+#[test]
+fn a_map_without_texels_is_published_once() {
+    let mut device = Device::new(Extent { texels: 0, ..extent(64) }, 100e6);
+    let mut scheduler = FrameScheduler::new(device.extent);
+    let works: Vec<_> = (0..50).flat_map(|_| device.frame(&mut scheduler, 0.1, ALL).works).collect();
+    assert!(works.iter().all(|work| work.stage == Stage::Publish));
+    assert_eq!(works.iter().filter(|work| work.ends_stage).count(), 1);
+    assert_eq!(works.iter().map(|work| work.items.len()).sum::<usize>(), 2);
+}
+
+#[test]
+fn broken_times_leave_the_predictions_alone() {
+    let mut device = Device::new(extent(64), 100e6);
+    let mut scheduler = FrameScheduler::new(device.extent);
+    let works: Vec<_> = (0..20).flat_map(|_| device.frame(&mut scheduler, 8e-3, ALL).works).collect();
+    let before: Vec<_> = works.iter().map(|work| scheduler.predicted(work)).collect();
+    for seconds in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        scheduler.measured_frame(&works[..3], seconds);
+        scheduler.measured(&works[0], seconds, false);
+    }
+    scheduler.measured(&works[0], 0.5, true);
+    scheduler.measured_frame(&[], 1.0);
+    let after: Vec<_> = works.iter().map(|work| scheduler.predicted(work)).collect();
+    assert_eq!(before, after);
+}
+
+#[test]
+fn rays_are_those_of_the_device() {
+    let mut device = Device::new(extent(512), 100e6);
+    let mut scheduler = FrameScheduler::new(device.extent);
+    for _ in 0..200 {
+        device.frame(&mut scheduler, 8e-3, GATHER_ONLY);
+    }
+    assert!((scheduler.rays_per_second() / 100e6 - 1.0).abs() < 0.15, "{}", scheduler.rays_per_second());
+    assert!((scheduler.rays_for(Duration::from_millis(10)) / 0.9e6 - 1.0).abs() < 0.15);
+    assert_eq!(scheduler.rays_for(Duration::ZERO), 0.0);
+    assert!((samples_per_texel(262.144e6, 0.032, 512 * 512) - 32.0).abs() < 1e-9);
+    assert_eq!(samples_per_texel(1e6, 1.0, 0), 0.0);
+}
+
+/// Follows the cycle and checks every rule that a single plan can break.
+struct Checker {
+    extent: Extent,
+    stage: Stage,
+    next: u32,
+    quanta: u32,
+    /// Work of each stage in the last frames that had any.
+    last: [[u64; 2]; 3],
+    ended: [u32; 3],
+}
+
+impl Checker {
+    fn new(extent: Extent) -> Self {
+        Self { extent, stage: Stage::Direct, next: 0, quanta: 0, last: [[0; 2]; 3], ended: [0; 3] }
+    }
+
+    fn plan(&mut self, works: &[Work], needs: Needs) -> Result<(), TestCaseError> {
+        let mut items = [vec![], vec![], vec![]];
+        let (mut done, mut first) = ([0; 3], [0; 3]);
+        for work in works {
+            self.work(work, needs)?;
+            let index = work.stage as usize;
+            if items[index].is_empty() {
+                first[index] = self.size(work, work.items.start..work.items.start + 1);
+            }
+            items[index].extend(work.items.clone());
+            done[index] += self.size(work, work.items.clone());
+        }
+        for (index, mut items) in items.into_iter().enumerate() {
+            let count = items.len();
+            items.sort_unstable();
+            items.dedup();
+            prop_assert_eq!(items.len(), count, "an item twice in a plan");
+            let reach = (2 * self.last[index][0].max(self.last[index][1])).max(first[index]);
+            prop_assert!(done[index] <= reach, "{} of {}", done[index], reach);
+            if count > 0 {
+                self.last[index] = [done[index], self.last[index][0]];
+            }
+        }
+        Ok(())
+    }
+
+    /// Texels or blocks, times quanta.
+    fn size(&self, work: &Work, items: Range<u32>) -> u64 {
+        let texels = |item| match work.stage {
+            Stage::Publish => 1,
+            _ => u64::from(TILE.min(self.extent.texels - item * TILE)),
+        };
+        items.map(|item| texels(item) * u64::from(work.quanta)).sum()
+    }
+
+    fn work(&mut self, work: &Work, needs: Needs) -> Result<(), TestCaseError> {
+        prop_assert!(!work.items.is_empty());
+        if self.next == 0 {
+            let order = [Stage::Direct, Stage::Gather, Stage::Publish];
+            let skipped = order.iter().cycle().skip(self.stage as usize).take_while(|stage| **stage != work.stage);
+            // Gathering is never left out; what was begun at 0 was asked for.
+            prop_assert!(!skipped.clone().any(|stage| *stage == Stage::Gather));
+            prop_assert!(work.stage != Stage::Direct || needs.direct);
+            prop_assert!(work.stage != Stage::Publish || needs.publish);
+            (self.stage, self.quanta) = (work.stage, work.quanta);
+        }
+        prop_assert_eq!((work.stage, work.items.start, work.quanta), (self.stage, self.next, self.quanta));
+        let count = if work.stage == Stage::Publish { self.extent.block_rows } else { self.extent.tiles() };
+        prop_assert!(work.items.end <= count);
+        prop_assert_eq!(work.ends_stage, work.items.end == count);
+        self.next = work.items.end;
+        if work.ends_stage {
+            self.next = 0;
+            self.ended[work.stage as usize] += 1;
+            self.stage = [Stage::Gather, Stage::Publish, Stage::Direct][work.stage as usize];
+        }
+        Ok(())
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, cases: 64, ..ProptestConfig::default() })]
+
+    #[test]
+    fn every_plan_keeps_the_rules(
+        tiles in 1_u32..200, rate in 5.5_f64..9.0, seed in any::<u64>(), late in 0_usize..3, timestamps in any::<bool>(),
+        frames in prop::collection::vec((-6.0_f64..1.0, any::<bool>(), any::<bool>(), 0.5_f64..3.0), 1..200),
+        fixed_quanta in prop::option::of(1_u32..9),
+    ) {
+        let extent = Extent { fixed_quanta, ..extent(tiles) };
+        let mut device = Device { random: seed, late, timestamps, ..Device::new(extent, 10_f64.powf(rate)) };
+        let mut scheduler = FrameScheduler::new(extent);
+        let mut checker = Checker::new(extent);
+        for (budget, direct, publish, slowdown) in frames {
+            let (budget_s, needs) = (10_f64.powf(budget), Needs { direct, publish });
+            device.slowdown = slowdown;
+            let works = scheduler.clone().plan(Duration::from_secs_f64(budget_s), needs, 0.0).to_vec();
+            for work in works.iter().filter(|work| work.items.len() > 1) {
+                prop_assert!(scheduler.predicted(work) <= 1.000_001 * 4e-3_f64.min(budget_s / 2.0));
+            }
+            checker.plan(&works, needs)?;
+            prop_assert_eq!(device.frame(&mut scheduler, budget_s, needs).works, works);
+        }
+    }
+
+    /// Also where no budget is enough, and where direct light is always out of date.
+    #[test]
+    fn nothing_starves(tiles in 1_u32..6, rate in 4.0_f64..9.0, budget in -9.0_f64..1.0, overhead_s in 0.0_f64..0.1) {
+        let extent = extent(tiles);
+        let mut device = Device::new(extent, 10_f64.powf(rate));
+        let mut scheduler = FrameScheduler::new(extent);
+        let mut checker = Checker::new(extent);
+        for frame in 0..2 * 64 * (2 * tiles + extent.block_rows) {
+            let overhead_s = if frame % 2 == 0 { overhead_s } else { 0.0 };
+            let works = scheduler.plan(Duration::from_secs_f64(10_f64.powf(budget)), ALL, overhead_s).to_vec();
+            checker.plan(&works, ALL)?;
+            for work in &works {
+                let seconds = device.noisy(device.item_s(work, work.items.start) * work.items.len() as f64);
+                scheduler.measured(work, seconds, false);
+            }
+        }
+        prop_assert!(checker.ended.iter().all(|ended| *ended >= 2), "{:?}", checker.ended);
+    }
+}

@@ -1,0 +1,360 @@
+//! How fast old light leaves a light map while the world changes. Pure: elapsed times go in, weights come out.
+//!
+//! Host side in f64: in f32, `1 - decay` is off by 8e-4 at a latency of 60 s and 1,000 frames a second.
+
+use crate::error::{Error, Result};
+use std::time::Duration;
+
+/// How fast old light leaves a running average.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Average {
+    /// Infinite: never decays.
+    latency_s: f64,
+    ln_threshold: f64,
+}
+
+/// Whether light may differ from that of a tile's last visit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum World {
+    /// It is the same: all samples count alike.
+    Still,
+    /// It is not: old samples decay.
+    Changing,
+}
+
+/// What a tile's average holds; one a tile.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct History {
+    /// Never more than the tile has been given, whatever the pattern of visits.
+    quanta: f64,
+    /// Sum of the decayed weights of all visits, of which a saturated average holds 1. `None`: to be taken from `quanta`.
+    mass: Option<f64>,
+}
+
+/// Bound of what a history weighs, so that f32 holds it; as good as infinite.
+const MOST_WEIGHT_QUANTA: f64 = 1e30;
+
+impl Average {
+    /// After `tolerable_latency` the old light's share is `decay_threshold`. `ZERO`: no history; `MAX`: the plain mean.
+    ///
+    /// # Errors
+    /// `InvalidSettings` where the threshold is not between 0 and 1, both excluded.
+    pub(crate) fn new(tolerable_latency: Duration, decay_threshold: f64) -> Result<Self> {
+        if !(decay_threshold > 0.0 && decay_threshold < 1.0) {
+            let allowed = "allowed is what lies between 0 and 1, both excluded";
+            return Err(Error::settings(format!("decay threshold {decay_threshold}: {allowed}")));
+        }
+        let never = tolerable_latency == Duration::MAX;
+        let latency_s = if never { f64::INFINITY } else { tolerable_latency.as_secs_f64() };
+        Ok(Self { latency_s, ln_threshold: decay_threshold.ln() })
+    }
+
+    /// Share of the old average that is left after `dt_s` seconds; negative times and NaN count as 0.
+    pub(crate) fn decay(&self, dt_s: f64) -> f64 {
+        self.exponent(dt_s).exp()
+    }
+
+    /// Weight of what is new after `dt_s` seconds, without the cancellation of `1 - decay`; in `[0, 1]`.
+    pub(crate) fn weight(&self, dt_s: f64) -> f64 {
+        (-self.exponent(dt_s).exp_m1()).clamp(0.0, 1.0)
+    }
+
+    /// `ln(threshold) * dt / latency`, at most 0.
+    fn exponent(&self, dt_s: f64) -> f64 {
+        if self.latency_s == 0.0 {
+            f64::NEG_INFINITY
+        } else if self.latency_s.is_infinite() || !(dt_s > 0.0) {
+            0.0
+        } else {
+            self.ln_threshold * (dt_s / self.latency_s)
+        }
+    }
+}
+
+impl History {
+    /// Adds `quanta` (at least 1) new quanta of samples, `dt_s` seconds after this tile's last visit. Returns what the
+    /// history weighs against them, in quanta: r. The shader merges the k-th new quantum (from 1) with weight
+    /// 1 / (r + k), so that all of them weigh the same and the old average keeps r / (r + quanta).
+    pub(crate) fn visit(&mut self, average: &Average, dt_s: f64, quanta: u32, world: World) -> f64 {
+        let new = f64::from(quanta.max(1));
+        let weight = average.weight(dt_s);
+        let kept = if world == World::Still || weight == 0.0 {
+            if world == World::Still {
+                self.mass = None;
+            }
+            self.quanta
+        } else {
+            // A history longer than the latency holds is cut to that; without this 1e6 still samples never leave.
+            let mass = self.mass.unwrap_or_else(|| (self.quanta * weight / new).min(1.0));
+            let decayed = average.decay(dt_s) * mass;
+            self.mass = Some((decayed + weight).min(1.0));
+            (new * (decayed / weight)).min(MOST_WEIGHT_QUANTA)
+        };
+        // A visit soon after another weighs little against the history, which does not make the history longer.
+        self.quanta = (kept.min(self.quanta) + new).min(MOST_WEIGHT_QUANTA);
+        kept
+    }
+
+    /// Quanta that the average is worth after the last visit.
+    pub(crate) fn quanta(&self) -> f64 {
+        self.quanta
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const THRESHOLD: f64 = 0.1;
+    const LATENCY_S: f64 = 0.5;
+
+    fn average(latency_s: f64) -> Average {
+        Average::new(Duration::from_secs_f64(latency_s), THRESHOLD).expect("valid")
+    }
+
+    fn endless() -> Average {
+        Average::new(Duration::MAX, THRESHOLD).expect("valid")
+    }
+
+    /// What the shader does with one visit in which every quantum has this value.
+    fn merge(light: &mut f64, kept: f64, quanta: u32, value: f64) {
+        for k in 1..=quanta {
+            *light += (value - *light) / (kept + f64::from(k));
+        }
+    }
+
+    /// A history that has been still for so many quanta.
+    fn still(quanta: u32) -> History {
+        let mut history = History::default();
+        history.visit(&average(LATENCY_S), 0.01, quanta, World::Still);
+        history
+    }
+
+    /// Share of the old light after these steps, if all light goes out before the first.
+    fn share_left(mut history: History, average: &Average, quanta: u32, steps_s: impl IntoIterator<Item = f64>) -> f64 {
+        let mut light = 1.0;
+        for dt_s in steps_s {
+            let kept = history.visit(average, dt_s, quanta, World::Changing);
+            merge(&mut light, kept, quanta, 0.0);
+        }
+        light
+    }
+
+    fn close(found: f64, wanted: f64, relative: f64) -> bool {
+        (found - wanted).abs() <= relative * wanted.abs()
+    }
+
+    #[test]
+    fn the_slide_at_60_frames_a_second() {
+        let average = average(LATENCY_S);
+        assert!(close(average.decay(1.0 / 60.0), 0.92612, 1e-5));
+        assert!(close(average.weight(1.0 / 60.0), 0.07388, 1e-4));
+    }
+
+    /// Both wrong readings of the slide's formula leave something else than the threshold after the latency.
+    #[test]
+    fn other_readings_of_the_slide_are_wrong() {
+        let leaves_threshold = |decay: f64| close(decay.powi(30), THRESHOLD, 1e-5);
+        assert!(leaves_threshold(average(LATENCY_S).decay(1.0 / 60.0)));
+        let divided_late = (THRESHOLD.ln() / LATENCY_S * 60.0).exp();
+        assert!(divided_late < 1e-119 && !leaves_threshold(divided_late));
+        let multiplied_outside = (THRESHOLD.ln() / LATENCY_S).exp() * 60.0;
+        assert!(!leaves_threshold(multiplied_outside));
+        // At this threshold it is .6; at a milder one it is no share at all.
+        assert!((0.5_f64.ln() / LATENCY_S).exp() * 60.0 > 1.0);
+    }
+
+    #[test]
+    fn a_small_weight_is_precise() {
+        let exponent = THRESHOLD.ln() / 60.0 / 1000.0;
+        let series = -exponent * (1.0 + exponent / 2.0 * (1.0 + exponent / 3.0));
+        assert!(close(average(60.0).weight(1e-3), series, 1e-12));
+        let in_f32 = f64::from(1.0 - (exponent as f32).exp());
+        assert!(!close(in_f32, series, 1e-4), "f32 would do: {in_f32}");
+    }
+
+    #[test]
+    fn edges_of_the_input() {
+        let (finite, none, endless) = (average(LATENCY_S), average(0.0), endless());
+        for (average, dt_s, decay) in [
+            (&finite, 0.0, 1.0),
+            (&finite, -1.0, 1.0),
+            (&finite, f64::NAN, 1.0),
+            (&finite, f64::NEG_INFINITY, 1.0),
+            (&finite, 1e300, 0.0),
+            (&finite, f64::INFINITY, 0.0),
+            (&none, 0.0, 0.0),
+            (&none, 1e-9, 0.0),
+            (&none, f64::NAN, 0.0),
+            (&endless, 0.0, 1.0),
+            (&endless, 1e300, 1.0),
+            (&endless, f64::INFINITY, 1.0),
+        ] {
+            assert_eq!(average.decay(dt_s), decay, "{average:?} after {dt_s}");
+            assert_eq!(average.weight(dt_s), 1.0 - decay, "{average:?} after {dt_s}");
+        }
+    }
+
+    #[test]
+    fn a_threshold_outside_is_refused_by_name() {
+        for threshold in [0.0, 1.0, -0.1, 2.0, f64::NAN, f64::INFINITY] {
+            let error = Average::new(Duration::from_secs(1), threshold).expect_err("refused");
+            assert!(error.context().contains("decay threshold"), "{error}");
+            assert!(error.context().contains(&threshold.to_string()), "{error}");
+        }
+    }
+
+    #[test]
+    fn a_long_still_history_leaves_within_the_latency() {
+        let average = average(LATENCY_S);
+        for rate in [1.0, 2.0, 7.0, 30.0, 60.0, 144.0, 1000.0, 10_000.0] {
+            let frames = (LATENCY_S * rate).ceil() as usize;
+            for quanta in [1, 16] {
+                let left = share_left(still(1_000_000), &average, quanta, vec![1.0 / rate; frames]);
+                assert!(left <= THRESHOLD * (1.0 + 1e-5), "{rate} frames a second: {left}");
+            }
+        }
+        // What a history of 1e6 quanta would hold without the cut.
+        let plain = share_left(still(1_000_000), &endless(), 1, vec![1.0 / 60.0; 30]);
+        assert!(plain > 0.99);
+    }
+
+    #[test]
+    fn a_still_world_gives_the_mean() {
+        let mut history = History::default();
+        let (mut light, mut sum, mut count) = (0.0, 0.0, 0.0);
+        for visit in 0..1000_u32 {
+            let (quanta, value) = (visit % 5 + 1, f64::from(visit * visit % 17));
+            let kept = history.visit(&average(LATENCY_S), 0.01, quanta, World::Still);
+            assert_eq!(kept, count);
+            merge(&mut light, kept, quanta, value);
+            (sum, count) = (sum + value * f64::from(quanta), count + f64::from(quanta));
+        }
+        assert_eq!(history.quanta(), count);
+        assert!(close(light, sum / count, 1e-12));
+    }
+
+    #[test]
+    fn splitting_a_still_visit_changes_nothing() {
+        let (mut whole, mut split) = (still(3), still(3));
+        let kept = whole.visit(&average(LATENCY_S), 0.1, 4, World::Still);
+        for k in 0..4 {
+            assert_eq!(split.visit(&average(LATENCY_S), 0.0, 1, World::Still), kept + f64::from(k));
+        }
+        assert_eq!(whole, split);
+    }
+
+    /// With constant steps: `N <- d * N + s`, also where still samples came before.
+    #[test]
+    fn constant_steps_follow_the_recurrence() {
+        let (average, quanta) = (average(LATENCY_S), 3.0);
+        let (decay, weight) = (average.decay(0.02), average.weight(0.02));
+        for before in [0, 5, 1000] {
+            let mut history = if before == 0 { History::default() } else { still(before) };
+            let mut wanted = f64::from(before).min(quanta / weight);
+            for _ in 0..200 {
+                let kept = history.visit(&average, 0.02, 3, World::Changing);
+                assert!(close(kept, decay * wanted, 1e-9), "{kept} instead of {}", decay * wanted);
+                wanted = decay * wanted + quanta;
+            }
+            assert!(close(history.quanta(), quanta / weight, 1e-6));
+        }
+    }
+
+    #[test]
+    fn the_steady_variance_is_that_of_the_formula() {
+        let (average, quanta) = (average(LATENCY_S), 4);
+        let mut history = History::default();
+        // Sum of the squares of the weights of all quanta, which is the variance for quanta of variance 1.
+        let mut variance = 0.0;
+        for _ in 0..2000 {
+            let kept = history.visit(&average, 1.0 / 60.0, quanta, World::Changing);
+            for k in 1..=quanta {
+                let weight = 1.0 / (kept + f64::from(k));
+                variance = (1.0 - weight).powi(2) * variance + weight * weight;
+            }
+        }
+        let weight = average.weight(1.0 / 60.0);
+        assert!(close(variance, weight / (2.0 - weight) / f64::from(quanta), 1e-9));
+    }
+
+    /// A short step gives the few new samples little weight, but makes no history out of nothing.
+    #[test]
+    fn a_history_is_not_longer_than_what_was_given() {
+        let mut history = History::default();
+        for dt_s in [1.0, 1e-9, 1e-12, 0.0, 1e-3, 1e-300, 5e-324] {
+            assert!(history.visit(&average(LATENCY_S), dt_s, 1, World::Changing).is_finite());
+        }
+        assert!(history.quanta() <= 7.0);
+    }
+
+    /// Frames until a furnace's light has fallen to the threshold, if bounces read the last frame or the average.
+    fn frames_to_settle(albedo: f64, reads_average: bool) -> u32 {
+        let average = average(LATENCY_S);
+        let (mut source, mut published) = (1.0, 1.0);
+        let mut history = still(1_000_000);
+        for frame in 0.. {
+            if published <= THRESHOLD {
+                return frame;
+            }
+            let radiance = albedo * if reads_average { published } else { source };
+            let kept = history.visit(&average, 1.0 / 60.0, 1, World::Changing);
+            merge(&mut published, kept, 1, radiance);
+            source = radiance;
+        }
+        unreachable!("the light falls in every frame")
+    }
+
+    #[test]
+    fn bounces_settle_fast_where_they_read_the_last_frame() {
+        for (albedo, last_frame, averaged) in [(0.8, 35, 155), (0.9, 44, 311)] {
+            assert!(frames_to_settle(albedo, false).abs_diff(last_frame) <= 1, "albedo {albedo}");
+            assert!(frames_to_settle(albedo, true).abs_diff(averaged) <= 1, "albedo {albedo}");
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
+        #[test]
+        fn any_steps_leave_the_threshold_at_the_latency(
+            steps in prop::collection::vec(1e-4..1.0, 1..300), quanta in 1_u32..65, latency_s in 0.01..100.0,
+        ) {
+            let scale = latency_s / steps.iter().sum::<f64>();
+            let history = still(u32::MAX);
+            let left = share_left(history, &average(latency_s), quanta, steps.iter().map(|step| step * scale));
+            prop_assert!(close(left, THRESHOLD, 1e-5), "{}", left);
+        }
+
+        #[test]
+        fn no_start_is_dark(
+            steps in prop::collection::vec(0.0..2.0, 1..50), quanta in 1_u32..65, changing in any::<bool>(),
+        ) {
+            let world = if changing { World::Changing } else { World::Still };
+            let (mut history, mut light) = (History::default(), 0.0);
+            for dt_s in steps {
+                let kept = history.visit(&average(LATENCY_S), dt_s, quanta, world);
+                merge(&mut light, kept, quanta, 3.0);
+                prop_assert!(close(light, 3.0, 1e-12));
+            }
+        }
+
+        #[test]
+        fn all_is_finite(
+            visits in prop::collection::vec((any::<f64>(), any::<u32>(), any::<bool>()), 1..50),
+            latency in any::<Duration>(), threshold in 1e-300..1.0,
+        ) {
+            let average = Average::new(latency, threshold).expect("valid");
+            let mut history = History::default();
+            for (dt_s, quanta, changing) in visits {
+                let world = if changing { World::Changing } else { World::Still };
+                let kept = history.visit(&average, dt_s, quanta, world);
+                prop_assert!(kept.is_finite() && kept >= 0.0);
+                prop_assert!(history.quanta().is_finite() && history.quanta() >= 1.0);
+                prop_assert!((0.0..=1.0).contains(&average.weight(dt_s)));
+                prop_assert!((0.0..=1.0).contains(&average.decay(dt_s)));
+            }
+        }
+    }
+}
