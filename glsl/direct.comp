@@ -33,7 +33,9 @@ float visible_share(Surface s, vec4 sides, Light light, uint side) {
 void main() {
     uvec2 texel;
     if (!texel_of_invocation(texel)) return;
-    Surface s = surface_of(texel, imageLoad(surface_image, ivec2(texel)));
+    uvec4 g = imageLoad(surface_image, ivec2(texel));
+    if (DYNAMIC && (instances[g.x - 1u].flags & INSTANCE_ABSENT) != 0u) return;
+    Surface s = surface_of(texel, g);
     vec4 sides = unpack_footprint(imageLoad(footprint_image, ivec2(texel)).x);
     vec3 sum = vec3(0.0);
     for (uint i = 0u; i < push.light_count; ++i) {

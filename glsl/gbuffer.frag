@@ -71,7 +71,8 @@ void main() {
     out_surface = uvec4(push.instance + 1u, in_primitive, floatBitsToUint(b));
     Material material = materials[primitives[in_primitive].material];
     vec3 albedo = material.albedo;
-    vec3 emission = material.emission;
+    // The material's own factor is applied where the map is read: it may change.
+    vec3 emission = vec3(1.0);
     if (TEXTURES) {
         // The texel's own extent in the texture, so that the mip level is the texel's mean.
         vec2 bx = vec2(in_t2.y - in_t0.y, in_t0.y - in_t1.y) / area;
@@ -81,7 +82,7 @@ void main() {
         vec2 m1 = uv.emission[1] - uv.emission[0], m2 = uv.emission[2] - uv.emission[0];
         albedo *= textureGrad(albedo_texture, uv.albedo[0] + a1 * b.x + a2 * b.y, a1 * bx.x + a2 * bx.y,
                               a1 * by.x + a2 * by.y).rgb;
-        emission *= textureGrad(emission_texture, uv.emission[0] + m1 * b.x + m2 * b.y, m1 * bx.x + m2 * bx.y,
+        emission = textureGrad(emission_texture, uv.emission[0] + m1 * b.x + m2 * b.y, m1 * bx.x + m2 * bx.y,
                                 m1 * by.x + m2 * by.y).rgb;
     }
     out_albedo = vec4(albedo, 1.0);

@@ -27,12 +27,12 @@ void main() {
     uvec2 texel;
     vec4 mine = vec4(0.0);
     if (texel_of_invocation(texel)) {
-        vec3 irradiance = irradiance_of(ivec2(texel));
+        vec3 irradiance = shown_irradiance(ivec2(texel));
         float luminance = dot(irradiance, LUMINANCE);
         vec4 even = imageLoad(mean_even, ivec2(texel));
         vec4 odd = imageLoad(mean_odd, ivec2(texel));
         // A texel that an interrupted bake has not reached is filled like a gutter.
-        float lit = even.w + odd.w > 0.0 ? 1.0 : 0.0;
+        float lit = DYNAMIC || even.w + odd.w > 0.0 ? 1.0 : 0.0;
         imageStore(light_map, ivec2(texel), vec4(irradiance, lit));
         mine = vec4(luminance, relative_error(even, odd, luminance), 1.0, 0.0);
     }

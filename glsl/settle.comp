@@ -72,6 +72,12 @@ void main() {
         return;
     }
     Surface s = surface_of(texel, g);
+    // What may move is not judged by where it happens to be.
+    if ((instances[s.instance].flags & INSTANCE_MOVABLE) != 0u) {
+        vec4 all = vec4(min(vec2(0.0), s.start), max(vec2(1.0), s.start));
+        imageStore(footprint_image, ivec2(texel), uvec4(pack_footprint(all)));
+        return;
+    }
     if (SINGLE_SIDED) {
         s.start = move_out(s, s.start);
         uint key = texel.x | texel.y << 16u;

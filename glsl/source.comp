@@ -1,5 +1,6 @@
 #version 460
-// Outgoing radiance of every texel, albedo / pi * irradiance + emission: what a ray's hit reads. Emission is free.
+// Outgoing radiance of every texel, albedo / pi * irradiance + emission: what a ray's hit reads. Emission is free. In a
+// dynamic scene the hit adds it, see bake.comp.
 #extension GL_GOOGLE_include_directive : require
 #include "include/layout.glsl"
 #include "include/surface.glsl"
@@ -22,11 +23,16 @@ void main() {
     vec4 mine = vec4(0.0);
     if (texel_of_invocation(texel)) {
         vec3 albedo = min(imageLoad(albedo_image, ivec2(texel)).rgb, vec3(MAX_ALBEDO));
-        vec3 radiance = albedo * irradiance_of(ivec2(texel)) / PI + imageLoad(emission_image, ivec2(texel)).rgb;
+        uvec4 g = imageLoad(surface_image, ivec2(texel));
+        vec3 radiance = albedo * reflected_irradiance(ivec2(texel)) / PI;
+        if (!DYNAMIC) {
+            vec3 factor = materials[primitives[g.y].material].emission;
+            radiance += factor * imageLoad(emission_image, ivec2(texel)).rgb;
+        }
         bool valid = !any(isnan(radiance)) && !any(isinf(radiance));
         if (!valid) radiance = vec3(0.0);
         imageStore(source_image, ivec2(texel), vec4(radiance, 1.0));
-        float area = texel_area(surface_of(texel, imageLoad(surface_image, ivec2(texel))));
+        float area = texel_area(surface_of(texel, g));
         float luminance = dot(radiance, vec3(0.2126, 0.7152, 0.0722));
         mine = vec4(luminance * area, area, max(albedo.r, max(albedo.g, albedo.b)), valid ? 0.0 : 1.0);
     }

@@ -1,6 +1,6 @@
 //! What a scene needs: what it does not need is not run, not built and not allocated.
 
-use crate::scene::{Scene, Sidedness, Sky};
+use crate::scene::{Mobility, Scene, Sidedness, Sky};
 
 bitflags::bitflags! {
     /// What a scene needs, as the shaders' specialisation constant has it (`glsl/include/layout.glsl`).
@@ -20,16 +20,27 @@ bitflags::bitflags! {
         const LIGHTS = 1 << 5;
         /// Some mapped surface has a texture.
         const TEXTURES = 1 << 6;
+        /// The light map follows a scene that changes.
+        const DYNAMIC = 1 << 7;
     }
 }
 
 impl Features {
-    /// What `scene` needs.
+    /// What `scene` needs when it changes while it is baked: of sky and lights also what may come.
+    pub fn required_dynamic(scene: &Scene) -> Self {
+        let mut features = Self::required(scene) | Self::DYNAMIC;
+        features.set(Self::SKY_CONSTANT, !features.contains(Self::SKY_MAP));
+        features.set(Self::LIGHTS, !scene.lights().is_empty());
+        features
+    }
+
+    /// What `scene` needs when it stays as it is.
     pub fn required(scene: &Scene) -> Self {
         let materials = || scene.materials().iter();
         let meshes = || scene.instances().iter().map(|instance| &scene.meshes()[instance.mesh]);
         let mut features = Self::empty();
-        features.set(Self::INSTANCES, scene.instances().len() != 1);
+        let moves = scene.instances().iter().any(|instance| instance.mobility == Mobility::Movable);
+        features.set(Self::INSTANCES, scene.instances().len() != 1 || moves);
         features.set(Self::SINGLE_SIDED, materials().any(|material| material.sidedness == Sidedness::Single));
         features.set(Self::UNMAPPED, meshes().any(|mesh| mesh.light_map_uvs().iter().any(Option::is_none)));
         features
@@ -49,6 +60,7 @@ impl Features {
             (Self::SKY_CONSTANT | Self::SKY_MAP, "no sky"),
             (Self::LIGHTS, "no analytic lights: no direct pass and no map for it"),
             (Self::TEXTURES, "no textures"),
+            (Self::DYNAMIC, "nothing changes: no running average, no second source map"),
         ];
         words.into_iter().filter(|(bit, _)| !self.intersects(*bit)).map(|(_, words)| words).collect()
     }

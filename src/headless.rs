@@ -1,7 +1,7 @@
 //! An instance and a device of our own, for the tools and the tests.
 
 use crate::error::{Error, ErrorKind, Result};
-use crate::gpu::{self, Backend, BackendChoice, DeviceInfo, Gpu};
+use crate::gpu::{self, BackendChoice, DeviceInfo, Gpu};
 
 /// What to run on.
 #[derive(Debug, Clone, Default)]
@@ -43,7 +43,7 @@ impl Headless {
         if let Err(lack) = &info.usable {
             return Err(Error::new(ErrorKind::Unsupported, format!("device {} '{}' {lack}", info.index, info.name)));
         }
-        let backend = backend_of(info, settings.backend)?;
+        let backend = gpu::choose_backend(info, settings.backend)?;
         let messages = instance.messages.clone();
         Ok(Self { gpu: gpu::create_device(instance, info.index, backend)?, messages })
     }
@@ -86,20 +86,4 @@ fn choose<'a>(devices: &'a [DeviceInfo], wanted: Option<&str>) -> Result<&'a Dev
         Err(_) => devices.iter().find(|device| device.name.to_lowercase().contains(&wanted.to_lowercase())),
     };
     found.ok_or_else(|| Error::settings(format!("there is no device '{wanted}'; there are: {}", names())))
-}
-
-fn backend_of(info: &DeviceInfo, choice: BackendChoice) -> Result<Backend> {
-    match choice {
-        BackendChoice::Software => Ok(Backend::Software),
-        BackendChoice::Auto if info.ray_query && !info.is_cpu() => Ok(Backend::RayQuery),
-        BackendChoice::Auto => Ok(Backend::Software),
-        BackendChoice::RayQuery if info.ray_query => Ok(Backend::RayQuery),
-        BackendChoice::RayQuery => Err(Error::new(
-            ErrorKind::Unsupported,
-            format!(
-                "device '{}' ({}) has no ray query (VK_KHR_ray_query); use the back end 'software' or 'auto'",
-                info.name, info.driver
-            ),
-        )),
-    }
 }

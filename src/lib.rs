@@ -39,7 +39,6 @@ pub mod io;
 mod pass;
 pub mod scene;
 mod schedule;
-#[cfg_attr(not(test), expect(dead_code, reason = "the baker of changing scenes comes next"))]
 mod temporal;
 mod tracer;
 

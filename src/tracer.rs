@@ -32,7 +32,7 @@ impl Tracer {
     /// `OutOfMemory`, saying what was asked for; `DeviceLost` or `Driver` from the device.
     pub fn new(gpu: &Gpu, scene: &Scene, bvh: &Bvh) -> Result<Self> {
         let mut commands = Commands::new(gpu)?;
-        let device_scene = DeviceScene::new(gpu, &mut commands, scene, bvh)?;
+        let device_scene = DeviceScene::new(gpu, &mut commands, scene, bvh, Features::required(scene))?;
         let buffer = |name, size: usize, location| {
             let usage = vk::BufferUsageFlags::STORAGE_BUFFER;
             Buffer::new(gpu, BufferDesc { name, size: (size * BATCH) as u64, usage, location })

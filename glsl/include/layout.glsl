@@ -70,6 +70,9 @@ struct Texcoords {
 const uint PRIMITIVE_MAPPED = 1u;
 const uint PRIMITIVE_DOUBLE_SIDED = 2u;
 
+const uint INSTANCE_ABSENT = 2u;
+const uint INSTANCE_MOVABLE = 4u;
+
 const uint LIGHT_POINT = 0u;
 const uint LIGHT_SPOT = 1u;
 const uint LIGHT_DIRECTIONAL = 2u;
@@ -87,6 +90,7 @@ const bool SKY_CONSTANT = (FEATURES & 8u) != 0u;
 const bool SKY_MAP = (FEATURES & 16u) != 0u;
 const bool LIGHTS = (FEATURES & 32u) != 0u;
 const bool TEXTURES = (FEATURES & 64u) != 0u;
+const bool DYNAMIC = (FEATURES & 128u) != 0u;      // the light map follows a scene that changes
 
 layout(push_constant, std430) uniform Push {
     uvec2 map_size;       // texels
@@ -104,7 +108,7 @@ layout(push_constant, std430) uniform Push {
     float mean_luminance; // resolve: of the last estimate
     uint strata_side;     // bake: a quantum has a ray for each stratum of a grid of this side over the hemisphere
     uint first_sample;    // bake: of quantum 0, for the random numbers
-    uint pad0;
+    float history;        // bake, dynamic: what the running average weighs, in quanta
 } push;
 
 #endif

@@ -1,6 +1,7 @@
 //! What a bake takes on the device, told before anything is allocated.
 
 use super::BakeSettings;
+use super::setup::features_of;
 use crate::error::{Error, ErrorKind, Result};
 use crate::features::Features;
 use crate::gpu::DeviceInfo;
@@ -20,8 +21,7 @@ impl MemoryEstimate {
         self.parts.iter().map(|(_, bytes)| bytes).sum()
     }
 
-    pub(super) fn of(scene: &Scene, size: [u32; 2]) -> Self {
-        let features = Features::required(scene);
+    pub(super) fn of(scene: &Scene, size: [u32; 2], features: Features) -> Self {
         let texels = u64::from(size[0]) * u64::from(size[1]);
         let mut parts: Vec<_> = Maps::bytes(size, features).collect();
         // The g-buffer's depth, the list of texels, the two images of the dilation.
@@ -51,6 +51,6 @@ impl MemoryEstimate {
 /// As [`Atlas::new`].
 pub fn estimate_memory(scene: &Scene, settings: &BakeSettings) -> Result<(Atlas, MemoryEstimate)> {
     let atlas = Atlas::new(scene, settings.resolution)?;
-    let estimate = MemoryEstimate::of(scene, atlas.size.to_array());
+    let estimate = MemoryEstimate::of(scene, atlas.size.to_array(), features_of(scene, settings));
     Ok((atlas, estimate))
 }

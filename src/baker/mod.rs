@@ -1,24 +1,30 @@
-//! The algorithm: a static bake, as a list of passes.
+//! A baker: of a scene that stays as it is, until its light map is good enough (`still.rs`), or of one that changes, within
+//! an engine's frames (`frames`).
 
+mod frames;
 mod memory;
 mod progress;
 mod setup;
+mod still;
 
 pub use crate::epochs::Bounces;
 pub use crate::schedule::Slice;
+pub use frames::{Clock, FrameId, FrameReport, FrameSettings, FrameTiming, MeasuredBy, Ran, Timing};
 pub use memory::{MemoryEstimate, estimate_memory};
 pub use progress::{Outcome, Phase, Progress, Seconds, Statistics, Stop};
 
-use crate::epochs::{Epoch, Epochs};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::features::Features;
-use crate::gpu::Commands;
 use crate::gpu::layout::Push;
-use crate::pass::{Bake, DeviceScene, Dilate, Direct, Maps, Resolve, ResolveSums, Source, SourceSums, TexelList};
-use crate::scene::{Atlas, Resolution};
-use crate::schedule::{Pace, Sweep, Unit};
+use crate::gpu::{Commands, Constants, FrameCommands, Gpu, TimelinePoint};
+use crate::pass::{DeviceScene, Maps, TexelList};
+use crate::scene::{Atlas, Light, Resolution, Sky};
+use ash::vk;
+use frames::Frames;
+use glam::{DAffine3, Vec3};
 use std::ops::ControlFlow;
-use std::time::Instant;
+use std::time::Duration;
+use still::Still;
 
 /// How to bake.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,14 +35,33 @@ pub struct BakeSettings {
     pub bounces: Bounces,
     /// Another seed gives other noise.
     pub seed: u64,
-    /// How long one submission to the device may take.
+    /// How long one submission of a static bake may take.
     pub slice: Slice,
+    /// Whether the scene stays as it is.
+    pub mode: Mode,
+}
+
+/// Whether the scene stays as it is.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Mode {
+    /// It stays: [`Baker::bake`] goes on until the light map is good enough. The default.
+    #[default]
+    Still,
+    /// It changes: [`Baker::record`] or [`Baker::submit`] work within an engine's frames. Light is reflected without limit,
+    /// whatever `bounces` allows other than [`Bounces::Auto`] is refused.
+    Frames(FrameSettings),
 }
 
 impl Default for BakeSettings {
-    /// 512 texels a side, all bounces, seed 0, slices of 50 ms.
+    /// 512 texels a side, all bounces, seed 0, slices of 50 ms, a scene that stays as it is.
     fn default() -> Self {
-        Self { resolution: Resolution::Texels(512), bounces: Bounces::Auto, seed: 0, slice: Slice::default() }
+        Self {
+            resolution: Resolution::Texels(512),
+            bounces: Bounces::Auto,
+            seed: 0,
+            slice: Slice::default(),
+            mode: Mode::Still,
+        }
     }
 }
 
@@ -52,286 +77,236 @@ pub struct LightMap {
     pub pixels: Vec<[f32; 4]>,
 }
 
+/// The newest finished light map on the device.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct DeviceLightMap {
+    /// The image.
+    pub image: vk::Image,
+    /// A view of all of it; one of three, and the same for the same image.
+    pub view: vk::ImageView,
+    /// The layout that the image is in, now and always.
+    pub layout: vk::ImageLayout,
+    /// RGB: irradiance, linear Rec. 709, scene units; A: 1 where the texel lies on a surface, else 0. Gutters are filled.
+    pub format: vk::Format,
+    /// Width and height in texels. Row 0 is light-map coordinate v = 0.
+    pub size: [u32; 2],
+    /// Grows by 1 with every finished map; 0: none is finished yet, and this one is black.
+    pub generation: u64,
+}
+
 /// Bakes the light map of one scene on one device.
 ///
-/// Dropping it waits for the device.
+/// # Dropping
+/// Dropping a baker does not wait. It may be dropped once every frame that it recorded or submitted, and every frame that
+/// uses one of its light maps, has finished on the device; the device itself goes later. Methods that wait
+/// ([`Baker::new`], [`Baker::bake`], [`Baker::read_back`]) leave nothing behind.
+///
+/// # Within an engine's frames
+/// A baker made with [`Mode::Frames`] works in one of two ways, from its first frame on: [`Baker::record`] into the
+/// engine's command buffer, or [`Baker::submit`] to a queue for compute. Each call is a frame, with an id. The engine
+/// reports with [`Baker::complete`] when a frame has finished on the device, and uses [`Baker::light_map`] in between. The
+/// baker never waits within a frame. What has changed in the scene is told before the frame, and a change that is refused
+/// leaves everything as it was.
 pub struct Baker {
-    // Dropped first: waits for what is under way.
+    core: Core,
+    running: Running,
+}
+
+/// What both ways of baking work on.
+struct Core {
+    gpu: Gpu,
     commands: Commands,
-    passes: Passes,
+    constants: Constants,
     texels: TexelList,
     maps: Maps,
-    _scene: DeviceScene,
+    scene: DeviceScene,
     atlas: Atlas,
     push: Push,
-    bounces: Bounces,
     features: Features,
-    pace: Pace,
-    state: Option<State>,
     statistics: Statistics,
 }
 
-struct Passes {
-    direct: Option<Direct>,
-    source: Source,
-    bake: Bake,
-    resolve: Resolve,
-    dilate: Dilate,
+enum Running {
+    Still(Still),
+    Frames(Box<Frames>),
 }
-
-/// Where a bake stands, between two slices.
-struct State {
-    epochs: Epochs,
-    epoch: Epoch,
-    sweep: Sweep,
-    /// Quanta of every texel that are kept.
-    kept: u32,
-    /// When the error is estimated next, in kept quanta.
-    next_estimate: u32,
-    mean_luminance: f64,
-    /// Every texel has samples of some epoch.
-    covered: bool,
-}
-
-/// Side of the grid of strata for kept samples: 64 rays a quantum. Lavapipe, a game level, Mrays/s: 16 rays 3.7, 64 rays
-/// 4.0 to 4.9, for neighbouring texels' rays then are all but parallel.
-const STRATA_SIDE: u32 = 8;
-/// The same for bounce epochs, which only have to carry the mean.
-const BOUNCE_STRATA_SIDE: u32 = 4;
-/// Random numbers of bounce epochs start here, above those of kept samples.
-const BOUNCE_SAMPLES: u32 = 1 << 31;
 
 impl Baker {
     /// Bakes until `stop`, or until `progress` breaks; a later call goes on from there. In between,
     /// [`Baker::read_back`] gives the light map as far as it is.
     ///
     /// # Errors
-    /// `InvalidSettings` for a stop outside its range; `InvalidScene` where light grows without end; `DeviceLost`,
-    /// `OutOfMemory` or `Driver` from the device.
+    /// `InvalidSettings` for a stop outside its range, or with [`Mode::Frames`]; `InvalidScene` where light grows without
+    /// end; `DeviceLost`, `OutOfMemory` or `Driver` from the device.
     pub fn bake(&mut self, stop: &Stop, progress: &mut dyn FnMut(&Progress) -> ControlFlow<()>) -> Result<Outcome> {
-        stop.check()?;
-        let clock = Instant::now();
-        let mut state = match self.state.take() {
-            Some(state) => state,
-            None => self.start()?,
-        };
-        // After an error the device is in no state to go on.
-        let outcome = self.run(&mut state, stop, clock, progress)?;
-        self.resolve(&mut state)?;
-        self.statistics.bounces_missing = state.epochs.missing() as f32;
-        if state.epoch == Epoch::Bounce && self.texels.count > 0 {
-            let missing = state.epochs.missing();
-            let share =
-                if missing.is_finite() { format!("{:.2} %", 100.0 * missing) } else { "an unknown part".into() };
-            self.statistics.warn(format!("the bounces have not converged: {share} of the light is missing"));
-        }
-        self.state = Some(state);
-        Ok(outcome)
-    }
-
-    /// The first source map, which emits and does not reflect, and light from analytic lights.
-    fn start(&mut self) -> Result<State> {
-        let started = Instant::now();
-        let maps = &self.maps;
-        self.commands.run(|recorder| {
-            // Texels that take no rays emit all the same.
-            recorder.copy_image(&maps.emission, &maps.source);
-            Ok(())
-        })?;
-        let emitted = self.update_source()?;
-        self.light_directly()?;
-        self.statistics.seconds.direct += started.elapsed().as_secs_f64();
-        let epochs = Epochs::new(self.bounces, emitted.max_albedo, emitted.mean_radiance);
-        let mut state = State {
-            epochs,
-            epoch: Epoch::Bounce,
-            sweep: Sweep::new(0, 0..0),
-            kept: 0,
-            next_estimate: 2,
-            mean_luminance: 0.0,
-            covered: false,
-        };
-        self.begin_epoch(&mut state);
-        Ok(state)
-    }
-
-    fn light_directly(&mut self) -> Result<()> {
-        let (Some(pass), push) = (&self.passes.direct, &self.push) else { return Ok(()) };
-        let mut sweep = Sweep::new(self.texels.count, 0..1);
-        let mut pace = self.pace.clone();
-        // Up to 40 shadow rays a light; four of five lights do not reach a texel's few.
-        let rays = 8 * push.light_count;
-        while let Some(Unit { texels, .. }) = sweep.next(&pace, rays, 1) {
-            let count = u64::from(texels.end - texels.start) * u64::from(rays);
-            let took = self.commands.run(|recorder| {
-                pass.record(recorder, push, texels);
-                Ok(())
-            })?;
-            pace.measured(count, took);
-        }
-        Ok(())
-    }
-
-    fn run(
-        &mut self,
-        state: &mut State,
-        stop: &Stop,
-        clock: Instant,
-        progress: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
-    ) -> Result<Outcome> {
-        if state.covered && stop.reached(&self.statistics, clock.elapsed()) {
-            return Ok(Outcome::Finished);
-        }
-        // The first pass of few rays is gone through even then: there is no light map before it.
-        let mut interrupted = false;
-        loop {
-            let (started, resolved_before) = (Instant::now(), self.statistics.seconds.resolve);
-            let side = match state.epoch {
-                Epoch::Bounce => BOUNCE_STRATA_SIDE,
-                Epoch::Keep { .. } => STRATA_SIDE,
-            };
-            let limit = stop.quanta(side * side).min(state.next_estimate);
-            match state.sweep.next(&self.pace, side * side, limit) {
-                Some(unit) => self.gather(state, side, unit)?,
-                None if self.texels.count == 0 => return Ok(Outcome::Finished),
-                None => self.end_epoch(state)?,
-            }
-            state.covered |= state.sweep.finished_pass().is_some();
-            if let (Epoch::Keep { .. }, Some(kept)) = (state.epoch, state.sweep.finished_pass()) {
-                state.kept = kept;
-                if kept >= state.next_estimate {
-                    self.resolve(state)?;
-                    state.next_estimate = kept + (kept / 16).max(2);
-                }
-            }
-            let resolving = self.statistics.seconds.resolve - resolved_before;
-            self.statistics.seconds.bake += started.elapsed().as_secs_f64() - resolving;
-            self.statistics.samples_per_texel = f64::from(state.kept) * f64::from(STRATA_SIDE * STRATA_SIDE);
-            let report = self.statistics.progress(state.epoch, stop, clock.elapsed());
-            interrupted |= progress(&report).is_break();
-            if !state.covered {
-                continue;
-            }
-            if interrupted {
-                return Ok(Outcome::Interrupted);
-            }
-            if stop.reached(&self.statistics, clock.elapsed()) {
-                return Ok(Outcome::Finished);
+        match &mut self.running {
+            Running::Still(still) => still.bake(&mut self.core, stop, progress),
+            Running::Frames(_) => {
+                Err(Error::settings("a baker with Mode::Frames does not bake at a stretch; Mode::Still does"))
             }
         }
     }
 
-    /// One slice of rays.
-    fn gather(&mut self, state: &State, strata_side: u32, unit: Unit) -> Result<()> {
-        let first_sample = if state.epoch == Epoch::Bounce { BOUNCE_SAMPLES } else { 0 };
-        let push = Push { strata_side, first_sample, ..self.push };
-        let quanta = u64::from(unit.quanta.end - unit.quanta.start);
-        let rays = u64::from(unit.texels.end - unit.texels.start) * quanta * u64::from(strata_side * strata_side);
-        let pass = &self.passes.bake;
-        let took = self.commands.run(|recorder| {
-            pass.record(recorder, &push, unit.texels, unit.quanta);
-            Ok(())
-        })?;
-        self.pace.measured(rays, took);
-        self.statistics.rays += rays;
-        Ok(())
-    }
-
-    /// What was gathered becomes the source of the next epoch.
-    fn end_epoch(&mut self, state: &mut State) -> Result<()> {
-        if state.epoch == Epoch::Bounce {
-            let radiance = self.update_source()?.mean_radiance;
-            state.epochs.bounced(radiance)?;
-        } else if state.epochs.updates_source() {
-            self.update_source()?;
-        }
-        self.statistics.epochs += 1;
-        self.begin_epoch(state);
-        Ok(())
-    }
-
-    fn begin_epoch(&self, state: &mut State) {
-        state.epoch = state.epochs.next();
-        state.sweep = match state.epoch {
-            Epoch::Bounce => Sweep::new(self.texels.count, 0..1),
-            Epoch::Keep { quanta } => Sweep::new(self.texels.count, state.kept..state.kept + quanta),
-        };
-    }
-
-    fn update_source(&mut self) -> Result<SourceSums> {
-        let (pass, push, texels) = (&self.passes.source, &self.push, &self.texels);
-        self.commands.run(|recorder| {
-            pass.record(recorder, push, 0..texels.count);
-            Ok(())
-        })?;
-        let sums = SourceSums::read(texels);
-        self.statistics.area = sums.area;
-        if sums.invalid > 0 {
-            self.statistics.warn(format!("{} texels have a radiance that is not finite; it counts as 0", sums.invalid));
-        }
-        Ok(sums)
-    }
-
-    /// The light map as far as it is, and its estimated error.
-    fn resolve(&mut self, state: &mut State) -> Result<()> {
-        let started = Instant::now();
-        // The error is relative to the mean, which the first time is not known yet.
-        let times = if state.mean_luminance == 0.0 { 2 } else { 1 };
-        for _ in 0..times {
-            let push = Push { mean_luminance: state.mean_luminance as f32, ..self.push };
-            let (pass, texels) = (&self.passes.resolve, &self.texels);
-            self.commands.run(|recorder| {
-                pass.record(recorder, &push, 0..texels.count);
-                Ok(())
-            })?;
-            let sums = ResolveSums::read(texels);
-            state.mean_luminance = sums.mean;
-            self.statistics.estimated_error = (state.kept >= 2).then_some(sums.relative_mse.sqrt() as f32);
-        }
-        self.statistics.seconds.resolve += started.elapsed().as_secs_f64();
-        Ok(())
-    }
-
-    /// The light map as far as it has been baked, gutters filled.
+    /// The light map as far as it has been baked, gutters filled: waits for the device. With [`Mode::Frames`] the newest
+    /// finished one, for tools and tests; no frame is then under way.
     ///
     /// # Errors
     /// `DeviceLost`, `OutOfMemory` or `Driver` from the device.
     pub fn read_back(&mut self) -> Result<LightMap> {
-        let maps = &self.maps;
-        self.commands.run(|recorder| {
-            // What an earlier call filled is no light of its own.
-            recorder.clear(&[&maps.light_map]);
-            Ok(())
-        })?;
-        if let Some(mut state) = self.state.take() {
-            let resolved = self.resolve(&mut state);
-            self.state = Some(state);
-            resolved?;
+        let core = &mut self.core;
+        match &mut self.running {
+            Running::Still(still) => still.read_back(core),
+            Running::Frames(frames) => {
+                let (current, _) = frames.light_map();
+                let pixels = core.commands.read_image(&core.maps.light_map[current])?;
+                let [width, height] = core.maps.size;
+                Ok(LightMap { width, height, pixels })
+            }
         }
-        let started = Instant::now();
-        let (dilate, push) = (&self.passes.dilate, &self.push);
-        self.commands.run(|recorder| {
-            dilate.record(recorder, push);
-            Ok(())
-        })?;
-        let pixels = self.commands.read_image(&self.maps.light_map)?;
-        self.statistics.seconds.resolve += started.elapsed().as_secs_f64();
-        let [width, height] = self.maps.size;
-        Ok(LightMap { width, height, pixels })
+    }
+
+    /// Records a frame's work into the engine's command buffer: about as much as the device does in `budget`, and nothing
+    /// for 0. What the engine records afterwards sees the map that [`Baker::light_map`] then gives.
+    ///
+    /// # Errors
+    /// `InvalidSettings` without [`Mode::Frames`], or after [`Baker::submit`].
+    pub fn record(&mut self, commands: FrameCommands, budget: Duration) -> Result<FrameReport> {
+        let (frames, core) = self.frames()?;
+        frames.record(core, commands, budget)
+    }
+
+    /// Submits a frame's work to the queue for compute (the same queue where the device has one): about as much as the
+    /// device does in `budget`, and nothing for 0. It begins when all of `wait` are reached; all of `signal` follow it, even
+    /// where there was nothing to do. A map that it finishes is given by [`Baker::light_map`] once the frame has been
+    /// reported complete; a submission that uses the map waits for the frame's `signal`, which is reached by then.
+    ///
+    /// # Errors
+    /// `InvalidSettings` without [`Mode::Frames`], or after [`Baker::record`]; `DeviceLost`, `OutOfMemory` or `Driver` from
+    /// the device.
+    pub fn submit(
+        &mut self,
+        budget: Duration,
+        wait: &[TimelinePoint],
+        signal: &[TimelinePoint],
+    ) -> Result<FrameReport> {
+        let (frames, core) = self.frames()?;
+        frames.submit(core, budget, wait, signal)
+    }
+
+    /// The engine reports: this frame and all before it have finished on the device, with all that used a light map in
+    /// them. Returns how long the frame took; `None` where it had nothing to do or was reported before.
+    ///
+    /// # Errors
+    /// `InvalidSettings` for a frame that was not begun, or without [`Mode::Frames`].
+    pub fn complete(&mut self, frame: FrameId) -> Result<Option<FrameTiming>> {
+        self.frames()?.0.complete(frame)
+    }
+
+    /// The newest finished light map. It is not written again before the frame after the one that replaced it has been
+    /// reported complete: use it in the next frame that is recorded, and ask again for the one after. With [`Mode::Still`]
+    /// the only one, which [`Baker::read_back`] finishes.
+    pub fn light_map(&self) -> DeviceLightMap {
+        let (current, generation) = match &self.running {
+            Running::Still(_) => (0, 0),
+            Running::Frames(frames) => frames.light_map(),
+        };
+        let map = &self.core.maps.light_map[current];
+        let (image, view) = map.handles();
+        let (layout, format) = (vk::ImageLayout::GENERAL, vk::Format::R32G32B32A32_SFLOAT);
+        DeviceLightMap { image, view, layout, format, size: self.core.maps.size, generation }
+    }
+
+    /// Moves an instance, counted as in [`crate::scene::Scene::instances`]. The g-buffer, in object space, stays as it is.
+    ///
+    /// # Errors
+    /// `InvalidSettings`: an instance that does not exist or was not declared [`crate::scene::Mobility::Movable`], a
+    /// transform that is singular or not finite. `Unsupported`: it moved so far away, some 16 times the scene's extent, that
+    /// the hierarchy is no longer precise enough.
+    pub fn set_transform(&mut self, instance: usize, object_to_world: DAffine3) -> Result<()> {
+        self.frames()?.0.world.set_transform(instance, &object_to_world)
+    }
+
+    /// Takes an instance out of the scene; its texels take no rays.
+    ///
+    /// # Errors
+    /// `InvalidSettings`: an instance that does not exist or was not declared movable.
+    pub fn remove_instance(&mut self, instance: usize) -> Result<()> {
+        self.frames()?.0.world.set_present(instance, false)
+    }
+
+    /// Puts an instance back that was taken out.
+    ///
+    /// # Errors
+    /// As [`Baker::remove_instance`].
+    pub fn add_instance(&mut self, instance: usize) -> Result<()> {
+        self.frames()?.0.world.set_present(instance, true)
+    }
+
+    /// Replaces an analytic light, counted as in [`crate::scene::Scene::lights`]; an intensity of 0 switches it off.
+    ///
+    /// # Errors
+    /// `InvalidSettings`: a light that does not exist. `InvalidScene`: a value that [`crate::scene::Scene::new`] would
+    /// refuse too.
+    pub fn set_light(&mut self, light: usize, value: Light) -> Result<()> {
+        self.frames()?.0.world.set_light(light, value)
+    }
+
+    /// Changes what a material emits, before its texture: radiance, linear Rec. 709. Counted as in
+    /// [`crate::scene::Scene::materials`].
+    ///
+    /// # Errors
+    /// `InvalidSettings`: a material that does not exist. `InvalidScene`: a radiance that is negative or not finite.
+    pub fn set_emission(&mut self, material: usize, emission: Vec3) -> Result<()> {
+        let (frames, core) = self.frames()?;
+        frames.world.set_emission(&mut core.scene, material, emission)
+    }
+
+    /// Replaces the sky. A scene that was declared with a map takes maps of its size; one without takes none.
+    ///
+    /// # Errors
+    /// `InvalidSettings`: a map that does not fit. `InvalidScene`: a radiance that is negative or not finite.
+    pub fn set_sky(&mut self, sky: Sky) -> Result<()> {
+        let (frames, core) = self.frames()?;
+        frames.world.set_sky(&mut core.push, sky)
+    }
+
+    /// The time of the next frame, with [`Clock::Engine`]; from any beginning. Time that runs backwards stands still.
+    ///
+    /// # Errors
+    /// `InvalidSettings` without [`Mode::Frames`].
+    pub fn set_time(&mut self, now: Duration) -> Result<()> {
+        self.frames()?.0.set_time(now);
+        Ok(())
+    }
+
+    /// Rays that a frame of this budget has for each texel, as far as is known: rays a second * budget / texels. 0 with
+    /// [`Mode::Still`].
+    pub fn samples_per_texel(&self, budget: Duration) -> f64 {
+        match &self.running {
+            Running::Still(_) => 0.0,
+            Running::Frames(frames) => frames.samples_per_texel(&self.core, budget),
+        }
+    }
+
+    fn frames(&mut self) -> Result<(&mut Frames, &mut Core)> {
+        match &mut self.running {
+            Running::Frames(frames) => Ok((frames, &mut self.core)),
+            Running::Still(_) => Err(Error::settings("a baker with Mode::Still knows no frames; Mode::Frames does")),
+        }
     }
 
     /// The layout of the light map.
     pub fn atlas(&self) -> &Atlas {
-        &self.atlas
+        &self.core.atlas
     }
 
     /// What the scene needs; all else was left out.
     pub fn features(&self) -> Features {
-        self.features
+        self.core.features
     }
 
     /// What has been done so far.
     pub fn statistics(&self) -> &Statistics {
-        &self.statistics
+        &self.core.statistics
     }
 }

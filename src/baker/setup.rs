@@ -1,15 +1,17 @@
 //! What happens once before a bake: hierarchy, maps, g-buffer, the list of texels, and every pipeline's first use.
 
+use super::frames::Frames;
 use super::memory::MemoryEstimate;
-use super::{BakeSettings, Baker, Passes, Statistics};
+use super::still::Still;
+use super::{BakeSettings, Baker, Core, Mode, Running, Statistics};
 use crate::bvh::Bvh;
+use crate::epochs::Bounces;
 use crate::error::{Error, Result};
 use crate::features::Features;
 use crate::gpu::layout::{NO_FOOTPRINT, Push};
 use crate::gpu::{Commands, Constants, Gpu};
-use crate::pass::{Bake, Context, DeviceScene, Dilate, Direct, Gbuffer, Maps, Resolve, Settle, Source, TexelList};
-use crate::scene::{Atlas, Scene, Sky};
-use crate::schedule::Pace;
+use crate::pass::{Context, DeviceScene, Gbuffer, Maps, Settle, TexelKind, TexelList};
+use crate::scene::{Atlas, Instance, Mobility, Scene, Sky};
 use glam::Vec3;
 use std::ops::Range;
 use std::time::Instant;
@@ -23,47 +25,85 @@ impl Baker {
     /// Prepares a bake: lays out the light map, builds the hierarchy, draws the g-buffer. Waits for the device.
     ///
     /// # Errors
-    /// `InvalidSettings` for a resolution outside its range; `InvalidScene` where there is nothing to bake;
-    /// `OutOfMemory`, saying what was asked for; `DeviceLost` or `Driver` from the device.
+    /// `InvalidSettings` for a setting outside its range; `InvalidScene` where there is nothing to bake; `OutOfMemory`,
+    /// saying what was asked for; `DeviceLost` or `Driver` from the device.
     pub fn new(gpu: &Gpu, scene: &Scene, settings: &BakeSettings) -> Result<Self> {
+        check(settings)?;
         let atlas = Atlas::new(scene, settings.resolution)?;
-        let size = atlas.size.to_array();
-        MemoryEstimate::of(scene, size).check(size, gpu.info())?;
+        let features = features_of(scene, settings);
+        MemoryEstimate::of(scene, atlas.size.to_array(), features).check(atlas.size.to_array(), gpu.info())?;
         let mut statistics = Statistics::default();
         let started = Instant::now();
-        let bvh = Bvh::build(scene, &atlas)?;
+        let mut bvh = Bvh::build(scene, &atlas)?;
         statistics.seconds.bvh = started.elapsed().as_secs_f64();
+        let mut core = Core::new(gpu, scene, settings, &mut bvh, atlas, features, statistics)?;
 
         let started = Instant::now();
-        let features = Features::required(scene);
+        let running = match settings.mode {
+            Mode::Still => Running::Still(Still::new(&mut core, settings.bounces, settings.slice)?),
+            Mode::Frames(frames) => Running::Frames(Box::new(Frames::new(&mut core, scene, bvh, frames)?)),
+        };
+        core.statistics.seconds.compile += started.elapsed().as_secs_f64();
+        Ok(Self { core, running })
+    }
+}
+
+fn check(settings: &BakeSettings) -> Result<()> {
+    match (settings.mode, settings.bounces) {
+        (Mode::Frames(_), Bounces::Limit(limit)) => Err(Error::settings(format!(
+            "the bounces are limited to {limit}; allowed with Mode::Frames is Bounces::Auto"
+        ))),
+        _ => Ok(()),
+    }
+}
+
+/// What a baker with these settings needs of a scene.
+pub(super) fn features_of(scene: &Scene, settings: &BakeSettings) -> Features {
+    match settings.mode {
+        Mode::Still => Features::required(scene),
+        Mode::Frames(_) => Features::required_dynamic(scene),
+    }
+}
+
+impl Core {
+    fn new(
+        gpu: &Gpu,
+        scene: &Scene,
+        settings: &BakeSettings,
+        bvh: &mut Bvh,
+        atlas: Atlas,
+        features: Features,
+        mut statistics: Statistics,
+    ) -> Result<Self> {
+        let started = Instant::now();
+        let size = atlas.size.to_array();
+        let movable = |(index, instance): (usize, &Instance)| (instance.mobility == Mobility::Movable).then_some(index);
+        let movable: Vec<usize> = scene.instances().iter().enumerate().filter_map(movable).collect();
+        // What may leave does not decide which texels are inside something.
+        set_present(bvh, &movable, false);
         let mut commands = Commands::new(gpu)?;
-        let device_scene = DeviceScene::new(gpu, &mut commands, scene, &bvh)?;
+        let mut device_scene = DeviceScene::new(gpu, &mut commands, scene, bvh, features)?;
         let maps = Maps::new(gpu, &mut commands, size, features)?;
-        let constants = Constants::new(features, &bvh);
+        let constants = Constants::new(features, bvh);
         let context = Context { gpu, constants, scene: &device_scene, maps: &maps };
-        let push = push_of(scene, settings, &bvh, &device_scene, size);
-        let compile = draw_surfaces(context, &mut commands, scene, &bvh, &push)?;
+        let push = push_of(scene, settings, bvh, &device_scene, size);
+        let compile = draw_surfaces(context, &mut commands, scene, bvh, &push)?;
         let texels = list_texels(gpu, &mut commands, &maps, &mut statistics)?;
+        if !movable.is_empty() {
+            set_present(bvh, &movable, true);
+            commands.run(|recorder| device_scene.record_placing(recorder, bvh))?;
+        }
+        statistics.seconds.compile = compile;
         statistics.seconds.gbuffer = started.elapsed().as_secs_f64() - compile;
+        let gpu = gpu.clone();
+        Ok(Self { gpu, commands, constants, texels, maps, scene: device_scene, atlas, push, features, statistics })
+    }
+}
 
-        let started = Instant::now();
-        let passes = Passes::new(context, &mut commands, &texels, features)?;
-        passes.first_use(&mut commands, &push)?;
-        statistics.seconds.compile = compile + started.elapsed().as_secs_f64();
-        Ok(Self {
-            commands,
-            passes,
-            texels,
-            maps,
-            _scene: device_scene,
-            atlas,
-            push,
-            bounces: settings.bounces,
-            features,
-            pace: Pace::new(settings.slice),
-            state: None,
-            statistics,
-        })
+fn set_present(bvh: &mut Bvh, instances: &[usize], present: bool) {
+    if !instances.is_empty() {
+        instances.iter().for_each(|instance| bvh.set_present(*instance, present));
+        bvh.rebuild_top_level();
     }
 }
 
@@ -116,11 +156,15 @@ fn row_slices([width, height]: [u32; 2]) -> impl Iterator<Item = Range<u32>> {
 
 fn list_texels(gpu: &Gpu, commands: &mut Commands, maps: &Maps, statistics: &mut Statistics) -> Result<TexelList> {
     let footprints: Vec<u32> = commands.read_image(&maps.footprint)?;
-    let texels = TexelList::new(gpu, commands, maps.size, |texel| footprints[texel] != NO_FOOTPRINT)?;
     let surfaces: Vec<[u32; 4]> = commands.read_image(&maps.surface)?;
-    let covered = surfaces.iter().filter(|surface| surface[0] != 0).count() as u64;
+    let texels = TexelList::new(gpu, commands, maps.size, |texel| match (surfaces[texel][0], footprints[texel]) {
+        (0, _) => TexelKind::Empty,
+        (_, NO_FOOTPRINT) => TexelKind::GivenUp,
+        _ => TexelKind::Baked,
+    })?;
     statistics.texels = u64::from(texels.count);
-    statistics.invalid_texels = covered - statistics.texels;
+    statistics.invalid_texels = u64::from(texels.given_up);
+    let covered = statistics.texels + statistics.invalid_texels;
     if statistics.texels == 0 && covered > 0 {
         return Err(Error::scene(format!(
             "all {covered} texels see the back of a surface: is the winding the wrong way round? Double-sided, they could be baked"
@@ -132,33 +176,4 @@ fn list_texels(gpu: &Gpu, commands: &mut Commands, maps: &Maps, statistics: &mut
             .warn(format!("{given_up} of {covered} texels lie inside something and are filled from their neighbours"));
     }
     Ok(texels)
-}
-
-impl Passes {
-    fn new(context: Context<'_>, commands: &mut Commands, texels: &TexelList, features: Features) -> Result<Self> {
-        let direct = features.contains(Features::LIGHTS).then(|| Direct::new(context, texels)).transpose()?;
-        Ok(Self {
-            direct,
-            source: Source::new(context, texels)?,
-            bake: Bake::new(context, texels)?,
-            resolve: Resolve::new(context, texels)?,
-            dilate: Dilate::new(context, commands)?,
-        })
-    }
-
-    /// Runs every pass on no texel: drivers that compile at the first use do so here, and not in a slice.
-    fn first_use(&self, commands: &mut Commands, push: &Push) -> Result<()> {
-        let nothing = Push { map_size: [0, 0], strata_side: 1, ..*push };
-        commands.run(|recorder| {
-            if let Some(direct) = &self.direct {
-                direct.record(recorder, &nothing, 0..0);
-            }
-            self.source.record(recorder, &nothing, 0..0);
-            self.bake.record(recorder, &nothing, 0..0, 0..0);
-            self.resolve.record(recorder, &nothing, 0..0);
-            self.dilate.record(recorder, &nothing);
-            Ok(())
-        })?;
-        Ok(())
-    }
 }

@@ -16,7 +16,7 @@ mod traverse;
 pub use traverse::{Hit, Ray};
 
 use crate::error::{Error, ErrorKind, Result};
-use crate::scene::{Atlas, Instance, Mesh, Mobility, Scene};
+use crate::scene::{Atlas, AtlasRect, Instance, Mesh, Mobility, Scene};
 use bytemuck::{Pod, Zeroable};
 use encode::Bounds;
 use glam::{DAffine3, DVec3, Vec3};
@@ -83,7 +83,7 @@ pub struct InstanceRecord {
     pub root: u32,
     /// First primitive of the mesh.
     pub first_primitive: u32,
-    /// [`InstanceRecord::MIRRORED`], [`InstanceRecord::ABSENT`].
+    /// [`InstanceRecord::MIRRORED`], [`InstanceRecord::ABSENT`], [`InstanceRecord::MOVABLE`].
     pub flags: u32,
     /// Unused.
     pub _pad: u32,
@@ -96,6 +96,8 @@ impl InstanceRecord {
     pub const MIRRORED: u32 = 1;
     /// Rays pass it by, and none start from it.
     pub const ABSENT: u32 = 2;
+    /// It may move: its texels are not judged by where it is.
+    pub const MOVABLE: u32 = 4;
 }
 
 /// Where a mesh lies; all 0 for one that no instance places.
@@ -295,14 +297,12 @@ fn check_positions(mesh: &Mesh, baked: Option<&DAffine3>) -> Result<()> {
 }
 
 fn records(instances: &[Instance], atlas: &Atlas) -> Vec<InstanceRecord> {
-    let record = |index: usize| match atlas.rects.get(index) {
-        Some(rect) => {
-            let atlas = [rect.scale.x, rect.scale.y, rect.offset.x, rect.offset.y];
-            InstanceRecord { atlas, ..InstanceRecord::zeroed() }
-        }
-        None => InstanceRecord::zeroed(),
+    let record = |(index, instance): (usize, &Instance)| {
+        let rect = |rect: &AtlasRect| [rect.scale.x, rect.scale.y, rect.offset.x, rect.offset.y];
+        let flags = if instance.mobility == Mobility::Movable { InstanceRecord::MOVABLE } else { 0 };
+        InstanceRecord { atlas: atlas.rects.get(index).map_or([0.0; 4], rect), flags, ..InstanceRecord::zeroed() }
     };
-    (0..instances.len()).map(record).collect()
+    instances.iter().enumerate().map(record).collect()
 }
 
 #[cfg(test)]

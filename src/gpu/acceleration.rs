@@ -3,7 +3,7 @@
 
 use super::commands::Commands;
 use super::memory::{Buffer, BufferDesc, Location};
-use super::recorder::PassKind;
+use super::recorder::{PassKind, Recorder};
 use super::{Gpu, vulkan_error};
 use crate::bvh::{Bvh, InstanceRecord, MeshRange, Triangle};
 use crate::error::{Error, ErrorKind, Result};
@@ -11,9 +11,17 @@ use ash::{khr, vk};
 
 /// A scene's acceleration structures.
 pub(crate) struct SceneStructure {
+    gpu: Gpu,
     top: Structure,
-    _bottom: Vec<Option<Structure>>,
+    bottom: Vec<Option<Structure>>,
+    /// What the top level is built from.
+    records: Vec<Record>,
+    record_buffer: Buffer,
+    scratch: Buffer,
 }
+
+/// An instance as the device reads it.
+type Record = [u8; size_of::<vk::AccelerationStructureInstanceKHR>()];
 
 /// One structure with the buffer that it lies in.
 struct Structure {
@@ -30,14 +38,33 @@ impl SceneStructure {
         let build =
             |mesh: &MeshRange| (mesh.count > 0).then(|| bottom_level(gpu, commands, mesh, triangles)).transpose();
         let bottom = bvh.meshes.iter().map(build).collect::<Result<Vec<_>>>()?;
-        let record = |(index, instance): (usize, &InstanceRecord)| {
-            let structure = bottom[bvh.mesh_of(index)].as_ref();
-            record(index, instance, structure.map_or(0, |structure| structure.address))
-        };
-        let records = bvh.instances.iter().enumerate().map(record);
-        let records: Vec<[u8; INSTANCE_BYTES]> = records.collect();
-        let top = top_level(gpu, commands, &records)?;
-        Ok(Self { top, _bottom: bottom })
+        let records = records(bvh, &bottom).collect::<Vec<_>>();
+        let usage = vk::BufferUsageFlags::ACCELERATION_STRUCTURE_BUILD_INPUT_READ_ONLY_KHR
+            | vk::BufferUsageFlags::SHADER_DEVICE_ADDRESS;
+        let bytes = records.as_flattened();
+        let size = bytes.len() as u64;
+        let desc = BufferDesc { name: "instance structures", size, usage, location: Location::Device };
+        let record_buffer = commands.upload(desc, bytes)?;
+        let geometry = instances_of(&record_buffer);
+        let kind = vk::AccelerationStructureTypeKHR::TOP_LEVEL;
+        let (top, scratch) = create(gpu, kind, geometry, records.len() as u32)?;
+        let structure = Self { gpu: gpu.clone(), top, bottom, records, record_buffer, scratch };
+        commands.run(|recorder| structure.record_build(recorder))?;
+        Ok(structure)
+    }
+
+    /// Builds the top level anew, where the instances now are.
+    pub(crate) fn rebuild(&mut self, recorder: &mut Recorder<'_>, bvh: &Bvh) -> Result<()> {
+        self.records.clear();
+        self.records.extend(records(bvh, &self.bottom));
+        recorder.update_buffer(&self.record_buffer, 0, self.records.as_flattened());
+        self.record_build(recorder)
+    }
+
+    fn record_build(&self, recorder: &mut Recorder<'_>) -> Result<()> {
+        let geometry = instances_of(&self.record_buffer);
+        let kind = vk::AccelerationStructureTypeKHR::TOP_LEVEL;
+        record_build(&self.gpu, recorder, kind, geometry, self.records.len() as u32, &self.top, &self.scratch)
     }
 
     pub(super) fn top_level(&self) -> vk::AccelerationStructureKHR {
@@ -54,18 +81,20 @@ impl Drop for Structure {
     }
 }
 
-const INSTANCE_BYTES: usize = size_of::<vk::AccelerationStructureInstanceKHR>();
-
-/// An instance as the device reads it: transform rows, custom index and mask, flags, bottom level.
-fn record(index: usize, instance: &InstanceRecord, bottom: vk::DeviceAddress) -> [u8; INSTANCE_BYTES] {
-    let mut bytes = [0; INSTANCE_BYTES];
-    bytes[..48].copy_from_slice(bytemuck::bytes_of(&instance.object_to_world));
-    bytes[48..52].copy_from_slice(&(index as u32 & 0x00ff_ffff | 0xff00_0000).to_le_bytes());
-    // The default front is clockwise in a left-handed system, so counter-clockwise in glTF's right-handed one.
-    let flags = vk::GeometryInstanceFlagsKHR::empty().as_raw();
-    bytes[52..56].copy_from_slice(&(flags << 24).to_le_bytes());
-    bytes[56..].copy_from_slice(&bottom.to_le_bytes());
-    bytes
+/// Transform rows, custom index and mask, flags, bottom level.
+fn records<'a>(bvh: &'a Bvh, bottom: &'a [Option<Structure>]) -> impl Iterator<Item = Record> + 'a {
+    bvh.instances.iter().enumerate().map(|(index, instance)| {
+        let structure = bottom[bvh.mesh_of(index)].as_ref().map_or(0, |structure| structure.address);
+        let mask: u32 = if instance.flags & InstanceRecord::ABSENT == 0 { 0xff00_0000 } else { 0 };
+        // The default front is clockwise in a left-handed system, so counter-clockwise in glTF's right-handed one.
+        let flags = vk::GeometryInstanceFlagsKHR::empty().as_raw();
+        let mut record = [0; size_of::<Record>()];
+        record[..48].copy_from_slice(bytemuck::bytes_of(&instance.object_to_world));
+        record[48..52].copy_from_slice(&(index as u32 & 0x00ff_ffff | mask).to_le_bytes());
+        record[52..56].copy_from_slice(&(flags << 24).to_le_bytes());
+        record[56..].copy_from_slice(&structure.to_le_bytes());
+        record
+    })
 }
 
 fn bottom_level(gpu: &Gpu, commands: &mut Commands, mesh: &MeshRange, triangles: &Buffer) -> Result<Structure> {
@@ -79,37 +108,30 @@ fn bottom_level(gpu: &Gpu, commands: &mut Commands, mesh: &MeshRange, triangles:
     let geometry = vk::AccelerationStructureGeometryKHR::default()
         .geometry_type(vk::GeometryTypeKHR::TRIANGLES)
         .geometry(vk::AccelerationStructureGeometryDataKHR { triangles: data });
-    build(gpu, commands, vk::AccelerationStructureTypeKHR::BOTTOM_LEVEL, geometry, mesh.count)
+    let kind = vk::AccelerationStructureTypeKHR::BOTTOM_LEVEL;
+    let (structure, scratch) = create(gpu, kind, geometry, mesh.count)?;
+    commands.run(|recorder| record_build(gpu, recorder, kind, geometry, mesh.count, &structure, &scratch))?;
+    Ok(structure)
 }
 
-fn top_level(gpu: &Gpu, commands: &mut Commands, records: &[[u8; INSTANCE_BYTES]]) -> Result<Structure> {
-    let usage = vk::BufferUsageFlags::ACCELERATION_STRUCTURE_BUILD_INPUT_READ_ONLY_KHR
-        | vk::BufferUsageFlags::SHADER_DEVICE_ADDRESS;
-    let bytes = records.as_flattened();
-    let desc = BufferDesc { name: "instance structures", size: bytes.len() as u64, usage, location: Location::Device };
-    let buffer = commands.upload(desc, bytes)?;
+fn instances_of(records: &Buffer) -> vk::AccelerationStructureGeometryKHR<'static> {
     let data = vk::AccelerationStructureGeometryInstancesDataKHR::default()
-        .data(vk::DeviceOrHostAddressConstKHR { device_address: buffer.address() });
-    let geometry = vk::AccelerationStructureGeometryKHR::default()
+        .data(vk::DeviceOrHostAddressConstKHR { device_address: records.address() });
+    vk::AccelerationStructureGeometryKHR::default()
         .geometry_type(vk::GeometryTypeKHR::INSTANCES)
-        .geometry(vk::AccelerationStructureGeometryDataKHR { instances: data });
-    build(gpu, commands, vk::AccelerationStructureTypeKHR::TOP_LEVEL, geometry, records.len() as u32)
+        .geometry(vk::AccelerationStructureGeometryDataKHR { instances: data })
 }
 
-fn build(
+/// A structure of the right size, not yet built, and the memory that building takes.
+fn create(
     gpu: &Gpu,
-    commands: &mut Commands,
     kind: vk::AccelerationStructureTypeKHR,
     geometry: vk::AccelerationStructureGeometryKHR<'_>,
     count: u32,
-) -> Result<Structure> {
+) -> Result<(Structure, Buffer)> {
     let functions = functions(gpu)?;
     let geometries = [geometry];
-    let mut info = vk::AccelerationStructureBuildGeometryInfoKHR::default()
-        .ty(kind)
-        .flags(vk::BuildAccelerationStructureFlagsKHR::PREFER_FAST_TRACE)
-        .mode(vk::BuildAccelerationStructureModeKHR::BUILD)
-        .geometries(&geometries);
+    let info = build_info(kind, &geometries);
     let mut sizes = vk::AccelerationStructureBuildSizesInfoKHR::default();
     let on_device = vk::AccelerationStructureBuildTypeKHR::DEVICE;
     // SAFETY: the description is complete but for addresses, which sizes do not depend on.
@@ -124,17 +146,40 @@ fn build(
             location: Location::Device,
         },
     )?;
-    info.dst_acceleration_structure = structure.handle;
+    Ok((structure, scratch))
+}
+
+fn build_info<'a>(
+    kind: vk::AccelerationStructureTypeKHR,
+    geometries: &'a [vk::AccelerationStructureGeometryKHR<'a>],
+) -> vk::AccelerationStructureBuildGeometryInfoKHR<'a> {
+    vk::AccelerationStructureBuildGeometryInfoKHR::default()
+        .ty(kind)
+        .flags(vk::BuildAccelerationStructureFlagsKHR::PREFER_FAST_TRACE)
+        .mode(vk::BuildAccelerationStructureModeKHR::BUILD)
+        .geometries(geometries)
+}
+
+fn record_build(
+    gpu: &Gpu,
+    recorder: &mut Recorder<'_>,
+    kind: vk::AccelerationStructureTypeKHR,
+    geometry: vk::AccelerationStructureGeometryKHR<'_>,
+    count: u32,
+    structure: &Structure,
+    scratch: &Buffer,
+) -> Result<()> {
+    let functions = functions(gpu)?;
+    let geometries = [geometry];
+    let mut info = build_info(kind, &geometries).dst_acceleration_structure(structure.handle);
     info.scratch_data.device_address = scratch.address().next_multiple_of(SCRATCH_ALIGNMENT);
     let range = [vk::AccelerationStructureBuildRangeInfoKHR::default().primitive_count(count)];
-    commands.run(|recorder| {
-        let scope = recorder.pass(PassKind::Build, "build structure");
-        // SAFETY: structure, scratch and inputs are alive until the run below has been waited for.
-        unsafe { functions.cmd_build_acceleration_structures(recorder.commands(), &[info], &[&range]) };
-        drop(scope);
-        Ok(())
-    })?;
-    Ok(structure)
+    let scope = recorder.pass(PassKind::Build, c"build structure");
+    // SAFETY: structure, scratch and inputs outlive the command buffer's execution: the caller waits for it, or keeps them
+    // until the frame is complete; what was recorded before waits at the pass's barrier.
+    unsafe { functions.cmd_build_acceleration_structures(recorder.commands(), &[info], &[&range]) };
+    drop(scope);
+    Ok(())
 }
 
 /// At least minAccelerationStructureScratchOffsetAlignment of every known device.

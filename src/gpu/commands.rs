@@ -19,7 +19,7 @@ impl Commands {
     pub(crate) fn new(gpu: &Gpu) -> Result<Self> {
         let device = gpu.device();
         let context = |result| vulkan_error("create a command buffer", result);
-        let info = vk::CommandPoolCreateInfo::default().queue_family_index(gpu.inner.queue_family);
+        let info = vk::CommandPoolCreateInfo::default().queue_family_index(gpu.queue().family);
         // SAFETY: the family is the queue's.
         let pool = unsafe { device.create_command_pool(&info, None) }.map_err(context)?;
         let mut commands = Self { gpu: gpu.clone(), pool, buffer: vk::CommandBuffer::null(), fence: vk::Fence::null() };
@@ -47,7 +47,7 @@ impl Commands {
         let buffers = [vk::CommandBufferSubmitInfo::default().command_buffer(self.buffer)];
         let submit = [vk::SubmitInfo2::default().command_buffer_infos(&buffers)];
         let started = Instant::now();
-        let queue = self.gpu.queue();
+        let queue = self.gpu.queue().lock();
         // SAFETY: the buffer is recorded, the fence unsignalled, the queue locked. A device that is lost ends the wait.
         unsafe {
             device.queue_submit2(*queue, &submit, self.fence).map_err(context)?;
@@ -111,10 +111,8 @@ impl Commands {
 
 impl Drop for Commands {
     fn drop(&mut self) {
-        // A run that failed may have left work behind.
-        let _ = self.gpu.wait();
         let device = self.gpu.device();
-        // SAFETY: the device is done with them; null handles are allowed.
+        // SAFETY: every run was waited for, or the device is lost; null handles are allowed.
         unsafe {
             device.destroy_fence(self.fence, None);
             device.destroy_command_pool(self.pool, None);

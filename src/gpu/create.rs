@@ -1,7 +1,8 @@
 //! Makes an instance and a device of our own.
 
-use super::device::{Backend, Gpu, OwnedInstance, Owner, RawDevice};
-use super::info::{DeviceInfo, Messages, RAY_QUERY_EXTENSIONS, describe, queue_family};
+use super::device::{Backend, Gpu, Loaded, OwnedInstance, Owner, RawQueue};
+use super::info::{DeviceInfo, Messages, describe, queue_family};
+use super::requirements::{FeatureChain, Requirements};
 use super::vulkan_error;
 use crate::error::{Error, ErrorKind, Result};
 use ash::{ext, vk};
@@ -106,32 +107,22 @@ pub(crate) fn list_devices(owned: &OwnedInstance) -> Result<Vec<DeviceInfo>> {
 pub(crate) fn create_device(owned: OwnedInstance, index: usize, backend: Backend) -> Result<Gpu> {
     let physical_device = physical_devices(&owned)?[index];
     let lacks = || Error::new(ErrorKind::Unsupported, "the device has no queue for graphics and compute together");
-    let queue_family = queue_family(&owned.instance, physical_device).ok_or_else(lacks)?;
+    let family = queue_family(&owned.instance, physical_device).ok_or_else(lacks)?;
     let priorities = [1.0];
-    let queues = [vk::DeviceQueueCreateInfo::default().queue_family_index(queue_family).queue_priorities(&priorities)];
-    let hardware = backend == Backend::RayQuery;
-    let extensions: Vec<_> =
-        RAY_QUERY_EXTENSIONS.iter().filter(|_| hardware).map(|extension| extension.as_ptr()).collect();
-    let mut features12 = vk::PhysicalDeviceVulkan12Features::default().buffer_device_address(hardware);
-    let mut features13 =
-        vk::PhysicalDeviceVulkan13Features::default().dynamic_rendering(true).synchronization2(true).maintenance4(true);
-    let mut structure = vk::PhysicalDeviceAccelerationStructureFeaturesKHR::default().acceleration_structure(true);
-    let mut query = vk::PhysicalDeviceRayQueryFeaturesKHR::default().ray_query(true);
-    let mut info = vk::DeviceCreateInfo::default()
-        .queue_create_infos(&queues)
-        .enabled_extension_names(&extensions)
-        .push_next(&mut features12)
-        .push_next(&mut features13);
-    if hardware {
-        info = info.push_next(&mut structure).push_next(&mut query);
-    }
+    let queues = [vk::DeviceQueueCreateInfo::default().queue_family_index(family).queue_priorities(&priorities)];
+    let requirements = Requirements::of(backend);
+    let extensions: Vec<_> = requirements.device_extensions.iter().map(|extension| extension.as_ptr()).collect();
+    let mut features = FeatureChain::new(requirements.features);
+    let info = vk::DeviceCreateInfo::default().queue_create_infos(&queues).enabled_extension_names(&extensions);
+    let info = features.attach(info);
     // SAFETY: extensions and features were found on the device (describe), names are NUL-terminated constants.
     let device = unsafe { owned.instance.create_device(physical_device, &info, None) }
         .map_err(|result| vulkan_error("create the device", result))?;
     // SAFETY: the queue was asked for above.
-    let queue = unsafe { device.get_device_queue(queue_family, 0) };
+    let queue = RawQueue { handle: unsafe { device.get_device_queue(family, 0) }, family };
     let debug_utils = owned.messenger.is_some();
     let instance = owned.instance.clone();
     let owner = Owner { device: device.clone(), _instance: owned };
-    Gpu::owned(RawDevice { instance, physical_device, device, queue, queue_family, backend, debug_utils }, owner, index)
+    let loaded = Loaded { instance, physical_device, device, queue, compute_queue: None, backend, debug_utils };
+    Gpu::owned(loaded, owner, index)
 }

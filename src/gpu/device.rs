@@ -1,10 +1,11 @@
 //! The device that everything runs on.
 
-use super::info::{DeviceInfo, Messages};
-use super::vulkan_error;
+use super::info::{DeviceInfo, Messages, Timestamps};
+use super::requirements::{DeviceFeatures, Requirements};
 use crate::error::{Error, ErrorKind, Result};
 use ash::{ext, khr, vk};
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
+use std::ffi::CStr;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Which back end traces the rays.
@@ -39,23 +40,57 @@ pub enum BackendChoice {
     RayQuery,
 }
 
+/// The back end that a device gets.
+///
+/// # Errors
+/// `Unsupported` for ray queries on a device without them.
+pub(crate) fn choose_backend(info: &DeviceInfo, choice: BackendChoice) -> Result<Backend> {
+    match choice {
+        BackendChoice::Software => Ok(Backend::Software),
+        BackendChoice::Auto if info.ray_query && !info.is_cpu() => Ok(Backend::RayQuery),
+        BackendChoice::Auto => Ok(Backend::Software),
+        BackendChoice::RayQuery if info.ray_query => Ok(Backend::RayQuery),
+        BackendChoice::RayQuery => Err(Error::new(
+            ErrorKind::Unsupported,
+            format!(
+                "device '{}' ({}) has no ray query (VK_KHR_ray_query); use the back end 'software' or 'auto'",
+                info.name, info.driver
+            ),
+        )),
+    }
+}
+
+/// A queue and the family that it was taken from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct RawQueue {
+    /// The queue.
+    pub handle: vk::Queue,
+    /// Its family.
+    pub family: u32,
+}
+
 /// Vulkan handles to build a [`Gpu`] from.
-pub struct RawDevice {
-    /// A loaded instance, Vulkan 1.3.
-    pub instance: ash::Instance,
+pub struct RawDevice<'a> {
+    /// What the instance's functions are loaded by.
+    pub get_instance_proc_addr: vk::PFN_vkGetInstanceProcAddr,
+    /// An instance of Vulkan 1.3 or later.
+    pub instance: vk::Instance,
     /// The device's physical device.
     pub physical_device: vk::PhysicalDevice,
-    /// A loaded device with dynamicRendering, synchronization2 and maintenance4.
-    pub device: ash::Device,
-    /// A queue with compute, graphics and transfer.
-    pub queue: vk::Queue,
-    /// The queue's family.
-    pub queue_family: u32,
-    /// The back end; `RayQuery` needs VK_KHR_ray_query and VK_KHR_acceleration_structure enabled, their features and
-    /// bufferDeviceAddress with them.
-    pub backend: Backend,
-    /// Whether VK_EXT_debug_utils is enabled on the instance: objects are named and passes labelled.
-    pub debug_utils: bool,
+    /// The device, created with what [`Gpu::requirements`] said.
+    pub device: vk::Device,
+    /// A queue with graphics, compute and transfer: set-up runs on it, and what is recorded into the engine's commands.
+    pub queue: RawQueue,
+    /// A queue with compute for `Baker::submit`; `None`: `queue`.
+    pub compute_queue: Option<RawQueue>,
+    /// Extensions enabled on the instance. With VK_EXT_debug_utils objects are named and passes labelled.
+    pub instance_extensions: &'a [&'a CStr],
+    /// Extensions enabled on the device.
+    pub device_extensions: &'a [&'a CStr],
+    /// Features enabled on the device.
+    pub features: DeviceFeatures,
+    /// The back end. `Auto` takes ray queries only where they were enabled.
+    pub backend: BackendChoice,
 }
 
 /// A device to bake on. Clones share it.
@@ -68,13 +103,44 @@ pub(super) struct Inner {
     // Dropped in this order: memory before the device that it belongs to.
     allocator: Mutex<Allocator>,
     pub(super) device: ash::Device,
-    queue: Mutex<vk::Queue>,
-    pub(super) queue_family: u32,
+    queue: Queue,
+    compute_queue: Option<Queue>,
     pub(super) debug: Option<ext::debug_utils::Device>,
     pub(super) acceleration: Option<khr::acceleration_structure::Device>,
     pub(super) info: DeviceInfo,
     backend: Backend,
     _owner: Option<Owner>,
+}
+
+/// A queue, for one thread at a time.
+pub(super) struct Queue {
+    handle: Mutex<vk::Queue>,
+    pub(super) family: u32,
+    /// How timestamps of the family count.
+    pub(super) timestamps: Option<Timestamps>,
+}
+
+impl Queue {
+    fn new(raw: RawQueue, instance: &ash::Instance, physical_device: vk::PhysicalDevice) -> Self {
+        let timestamps = super::info::timestamps(instance, physical_device, raw.family);
+        Self { handle: Mutex::new(raw.handle), family: raw.family, timestamps }
+    }
+
+    /// The queue, for this thread alone while the guard lives.
+    pub(super) fn lock(&self) -> MutexGuard<'_, vk::Queue> {
+        self.handle.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// A device with its functions loaded.
+pub(super) struct Loaded {
+    pub(super) instance: ash::Instance,
+    pub(super) physical_device: vk::PhysicalDevice,
+    pub(super) device: ash::Device,
+    pub(super) queue: RawQueue,
+    pub(super) compute_queue: Option<RawQueue>,
+    pub(super) backend: Backend,
+    pub(super) debug_utils: bool,
 }
 
 /// An instance and a device of our own, destroyed with the last clone of the [`Gpu`].
@@ -114,25 +180,70 @@ impl Drop for OwnedInstance {
 }
 
 impl Gpu {
+    /// What an engine has to enable on a device, before it makes it.
+    ///
+    /// # Errors
+    /// `Unsupported`, naming what the physical device lacks.
+    ///
+    /// # Safety
+    /// The instance is valid and was made by the library that `get_instance_proc_addr` belongs to; the physical device is
+    /// the instance's.
+    pub unsafe fn requirements(
+        get_instance_proc_addr: vk::PFN_vkGetInstanceProcAddr,
+        instance: vk::Instance,
+        physical_device: vk::PhysicalDevice,
+        backend: BackendChoice,
+    ) -> Result<Requirements> {
+        // SAFETY: the instance is valid by the caller's word.
+        let instance = unsafe { ash::Instance::load(&ash::StaticFn { get_instance_proc_addr }, instance) };
+        Requirements::find(&instance, physical_device, backend)
+    }
+
     /// Takes an engine's device. Nothing that is passed in is destroyed.
     ///
     /// # Errors
-    /// `OutOfMemory` or `Driver` where the memory allocator cannot be made.
+    /// `Unsupported`, naming an extension or feature that is required and was not enabled; `OutOfMemory` or `Driver` where
+    /// the memory allocator cannot be made.
     ///
     /// # Safety
-    /// The handles belong together, are valid, have what [`RawDevice`] asks for enabled, and outlive every clone of the
-    /// `Gpu` and everything made from it. Nobody else uses the queue while a method of the baker runs.
-    pub unsafe fn from_raw(raw: RawDevice) -> Result<Self> {
-        Self::assemble(raw, None, 0)
+    /// - The handles are valid and belong together; extensions and features are those that the device was created with.
+    /// - All of them outlive every clone of the `Gpu` and everything made from it.
+    /// - Nobody else uses the queues during `Baker::new`, `Baker::bake`, `Baker::read_back`, `Tracer::new` and
+    ///   `Tracer::trace`, nor the queue for compute during `Baker::submit`: Vulkan wants one thread at a time there.
+    pub unsafe fn from_raw(raw: RawDevice<'_>) -> Result<Self> {
+        // SAFETY: instance and device are valid by the caller's word.
+        let (instance, device) = unsafe {
+            let functions = ash::StaticFn { get_instance_proc_addr: raw.get_instance_proc_addr };
+            let instance = ash::Instance::load(&functions, raw.instance);
+            let device = ash::Device::load(instance.fp_v1_0(), raw.device);
+            (instance, device)
+        };
+        let enabled = Requirements::of(Backend::RayQuery).check(raw.device_extensions, raw.features).is_ok();
+        let choice = match raw.backend {
+            BackendChoice::Auto if !enabled => BackendChoice::Software,
+            choice => choice,
+        };
+        let requirements = Requirements::find(&instance, raw.physical_device, choice)?;
+        requirements.check(raw.device_extensions, raw.features)?;
+        let loaded = Loaded {
+            instance,
+            physical_device: raw.physical_device,
+            device,
+            queue: raw.queue,
+            compute_queue: raw.compute_queue.filter(|queue| queue.handle != raw.queue.handle),
+            backend: requirements.backend,
+            debug_utils: raw.instance_extensions.contains(&ext::debug_utils::NAME),
+        };
+        Self::assemble(loaded, None, 0)
     }
 
     /// A device of our own, which goes with the last clone.
-    pub(crate) fn owned(raw: RawDevice, owner: Owner, index: usize) -> Result<Self> {
-        Self::assemble(raw, Some(owner), index)
+    pub(super) fn owned(loaded: Loaded, owner: Owner, index: usize) -> Result<Self> {
+        Self::assemble(loaded, Some(owner), index)
     }
 
-    fn assemble(raw: RawDevice, owner: Option<Owner>, index: usize) -> Result<Self> {
-        let RawDevice { instance, physical_device, device, queue, queue_family, backend, debug_utils } = raw;
+    fn assemble(loaded: Loaded, owner: Option<Owner>, index: usize) -> Result<Self> {
+        let Loaded { instance, physical_device, device, queue, compute_queue, backend, debug_utils } = loaded;
         let info = super::info::describe(&instance, physical_device, index);
         let allocator = Allocator::new(&AllocatorCreateDesc {
             instance: instance.clone(),
@@ -149,8 +260,8 @@ impl Gpu {
             acceleration: (backend == Backend::RayQuery)
                 .then(|| khr::acceleration_structure::Device::new(&instance, &device)),
             device,
-            queue: Mutex::new(queue),
-            queue_family,
+            queue: Queue::new(queue, &instance, physical_device),
+            compute_queue: compute_queue.map(|queue| Queue::new(queue, &instance, physical_device)),
             info,
             backend,
             _owner: owner,
@@ -168,17 +279,20 @@ impl Gpu {
         self.inner.backend
     }
 
-    /// Waits until the queue has nothing left to do: for tools and for the end, never within a frame.
-    pub(crate) fn wait(&self) -> Result<()> {
-        let queue = self.queue();
-        // SAFETY: the queue is valid and locked.
-        unsafe { self.inner.device.queue_wait_idle(*queue) }
-            .map_err(|result| vulkan_error("wait for the queue", result))
+    /// The queue for set-up and for what the engine submits.
+    pub(super) fn queue(&self) -> &Queue {
+        &self.inner.queue
     }
 
-    /// The queue, for this thread alone while the guard lives.
-    pub(super) fn queue(&self) -> MutexGuard<'_, vk::Queue> {
-        self.inner.queue.lock().unwrap_or_else(PoisonError::into_inner)
+    /// The queue for work of our own within frames.
+    pub(super) fn compute_queue(&self) -> &Queue {
+        self.inner.compute_queue.as_ref().unwrap_or(&self.inner.queue)
+    }
+
+    /// The queues' families where they are two: memory is then shared between them.
+    pub(super) fn families(&self) -> Option<[u32; 2]> {
+        let families = [self.queue().family, self.compute_queue().family];
+        (families[0] != families[1]).then_some(families)
     }
 
     pub(super) fn device(&self) -> &ash::Device {

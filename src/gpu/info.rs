@@ -83,19 +83,47 @@ fn usable(instance: &ash::Instance, device: vk::PhysicalDevice, version: u32) ->
         let (major, minor) = (vk::api_version_major(version), vk::api_version_minor(version));
         return Err(format!("has Vulkan {major}.{minor}; 1.3 is needed"));
     }
+    let mut features12 = vk::PhysicalDeviceVulkan12Features::default();
     let mut features13 = vk::PhysicalDeviceVulkan13Features::default();
-    let mut features = vk::PhysicalDeviceFeatures2::default().push_next(&mut features13);
+    let mut features = vk::PhysicalDeviceFeatures2::default().push_next(&mut features12).push_next(&mut features13);
     // SAFETY: the physical device is the instance's and has Vulkan 1.3, the structures are chained as their types say.
     unsafe { instance.get_physical_device_features2(device, &mut features) };
     let needed = [
         (features13.dynamic_rendering, "dynamicRendering"),
         (features13.synchronization2, "synchronization2"),
         (features13.maintenance4, "maintenance4"),
+        (features12.timeline_semaphore, "timelineSemaphore"),
     ];
     if let Some((_, name)) = needed.iter().find(|(present, _)| *present == vk::FALSE) {
         return Err(format!("lacks the feature {name}"));
     }
     queue_family(instance, device).map(|_| ()).ok_or_else(|| "has no queue for graphics and compute together".into())
+}
+
+/// How the timestamps of a queue family count.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Timestamps {
+    pub(super) valid_bits: u32,
+    pub(super) ns_per_tick: f64,
+}
+
+impl Timestamps {
+    /// Seconds between two timestamps, of which only the valid bits count and wrap round.
+    pub(super) fn seconds(self, from: u64, to: u64) -> f64 {
+        let mask = if self.valid_bits >= 64 { u64::MAX } else { (1 << self.valid_bits) - 1 };
+        (to.wrapping_sub(from) & mask) as f64 * self.ns_per_tick * 1e-9
+    }
+}
+
+/// `None`: the family has no timestamps.
+pub(super) fn timestamps(instance: &ash::Instance, device: vk::PhysicalDevice, family: u32) -> Option<Timestamps> {
+    // SAFETY: the physical device is the instance's.
+    let (families, properties) = unsafe {
+        (instance.get_physical_device_queue_family_properties(device), instance.get_physical_device_properties(device))
+    };
+    let valid_bits = families.get(family as usize).map_or(0, |family| family.timestamp_valid_bits);
+    let ns_per_tick = f64::from(properties.limits.timestamp_period);
+    (valid_bits > 0 && ns_per_tick > 0.0).then_some(Timestamps { valid_bits, ns_per_tick })
 }
 
 /// The first family that does graphics and compute.

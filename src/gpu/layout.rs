@@ -135,7 +135,7 @@ pub(crate) struct Push {
     pub(crate) mean_luminance: f32,
     pub(crate) strata_side: u32,
     pub(crate) first_sample: u32,
-    pub(crate) pad0: u32,
+    pub(crate) history: f32,
 }
 
 /// Invocations of a work group that goes through the list of texels.

@@ -58,7 +58,11 @@ impl Buffer {
                 format!("buffer '{name}' needs {size} bytes; the device allows a storage buffer of {limit}"),
             ));
         }
-        let info = vk::BufferCreateInfo::default().size(size).usage(usage);
+        let families = gpu.families();
+        let mut info = vk::BufferCreateInfo::default().size(size).usage(usage);
+        if let Some(families) = &families {
+            info = info.sharing_mode(vk::SharingMode::CONCURRENT).queue_family_indices(families);
+        }
         // SAFETY: the description is complete.
         let handle = unsafe { gpu.device().create_buffer(&info, None) }
             .map_err(|result| vulkan_error(format!("create buffer '{name}' of {size} bytes"), result))?;
@@ -140,7 +144,8 @@ impl Image {
                 "image '{name}' is {width} x {height}; the device allows {limit} a side"
             )));
         }
-        let info = vk::ImageCreateInfo::default()
+        let families = gpu.families();
+        let mut info = vk::ImageCreateInfo::default()
             .image_type(vk::ImageType::TYPE_2D)
             .format(format)
             .extent(vk::Extent3D { width: size[0], height: size[1], depth: 1 })
@@ -149,6 +154,9 @@ impl Image {
             .samples(vk::SampleCountFlags::TYPE_1)
             .tiling(vk::ImageTiling::OPTIMAL)
             .usage(usage);
+        if let Some(families) = &families {
+            info = info.sharing_mode(vk::SharingMode::CONCURRENT).queue_family_indices(families);
+        }
         // SAFETY: the description is complete and within the limits checked above.
         let handle = unsafe { gpu.device().create_image(&info, None) }
             .map_err(|result| vulkan_error(format!("create image '{name}' of {size:?} texels"), result))?;
@@ -174,6 +182,11 @@ impl Image {
         image.view = image.create_view(name)?;
         gpu.name(handle, name);
         Ok(image)
+    }
+
+    /// For the engine to see.
+    pub(crate) fn handles(&self) -> (vk::Image, vk::ImageView) {
+        (self.handle, self.view)
     }
 
     fn create_view(&self, name: &str) -> Result<vk::ImageView> {

@@ -7,28 +7,36 @@ mod bindings;
 mod commands;
 mod create;
 mod device;
+mod frame;
 mod info;
 mod memory;
 mod pipeline;
 mod recorder;
+mod requirements;
 mod sampler;
 mod shader;
+mod timer;
 
 pub(crate) mod layout;
 
-pub use device::{Backend, BackendChoice, Gpu, RawDevice};
+pub use device::{Backend, BackendChoice, Gpu, RawDevice, RawQueue};
+pub use frame::{FrameCommands, TimelinePoint};
 pub use info::DeviceInfo;
+pub use requirements::{DeviceFeatures, FeatureChain, Requirements};
 
 pub(crate) use acceleration::SceneStructure;
 pub(crate) use bindings::{BindingSet, Resource};
 pub(crate) use commands::Commands;
 pub(crate) use create::{create_device, create_instance, list_devices};
+pub(crate) use device::choose_backend;
+pub(crate) use frame::FrameSubmitter;
 pub(crate) use info::Messages;
 pub(crate) use memory::{Buffer, BufferDesc, Image, ImageDesc, Location};
 pub(crate) use pipeline::{ComputePipeline, Constants, RasterDesc, RasterPipeline};
 pub(crate) use recorder::{Recorder, Rendering};
 pub(crate) use sampler::Sampler;
-pub(crate) use shader::{BAKE, DILATE, DIRECT, GBUFFER_FRAG, GBUFFER_VERT, RESOLVE, SETTLE, SOURCE, TRACE};
+pub(crate) use shader::{BAKE, DILATE, DIRECT, GBUFFER_FRAG, GBUFFER_VERT, PUBLISH, RESOLVE, SETTLE, SOURCE, TRACE};
+pub(crate) use timer::{MARKS, Timer};
 
 use crate::error::{Error, ErrorKind};
 use ash::vk;

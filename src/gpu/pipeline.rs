@@ -24,7 +24,7 @@ impl Constants {
     /// For a scene that needs `features`. The stack grows in steps, so that scenes of about the same depth share compiled
     /// pipelines.
     pub(crate) fn new(features: Features, bvh: &Bvh) -> Self {
-        Self { features: features.bits(), stack_size: bvh.stack_size.next_multiple_of(8) }
+        Self { features: features.bits(), stack_size: bvh.most_stack_size().next_multiple_of(8) }
     }
 }
 

@@ -7,6 +7,7 @@ use super::pipeline::{ComputePipeline, RasterPipeline};
 use super::{Gpu, vulkan_error};
 use crate::error::Result;
 use ash::vk;
+use std::ffi::CStr;
 use std::ops::Range;
 
 /// What a pass does, which decides what it waits for.
@@ -43,7 +44,18 @@ pub(crate) struct Recorder<'a> {
 
 impl<'a> Recorder<'a> {
     pub(super) fn new(gpu: &'a Gpu, commands: vk::CommandBuffer) -> Self {
-        Self { gpu, commands, last: vk::PipelineStageFlags2::ALL_COMMANDS }
+        Self::after(gpu, commands, vk::PipelineStageFlags2::ALL_COMMANDS)
+    }
+
+    /// The first pass waits for these stages of what was submitted before.
+    pub(super) fn after(gpu: &'a Gpu, commands: vk::CommandBuffer, last: vk::PipelineStageFlags2) -> Self {
+        Self { gpu, commands, last }
+    }
+
+    /// The stages in which a frame's passes run.
+    pub(super) fn frame_stages(gpu: &Gpu) -> vk::PipelineStageFlags2 {
+        let stages = PassKind::Compute.stages() | PassKind::Transfer.stages();
+        if gpu.inner.acceleration.is_some() { stages | PassKind::Build.stages() } else { stages }
     }
 
     pub(super) fn commands(&self) -> vk::CommandBuffer {
@@ -51,12 +63,12 @@ impl<'a> Recorder<'a> {
     }
 
     /// Starts a pass: it sees what the one before wrote. The label ends with the returned scope.
-    pub(crate) fn pass(&mut self, kind: PassKind, name: &str) -> PassScope<'a> {
+    pub(crate) fn pass(&mut self, kind: PassKind, name: &CStr) -> PassScope<'a> {
         self.barrier(kind.stages(), &[]);
         PassScope::new(self.gpu, self.commands, name)
     }
 
-    fn barrier(&mut self, next: vk::PipelineStageFlags2, images: &[vk::ImageMemoryBarrier2<'_>]) {
+    pub(super) fn barrier(&mut self, next: vk::PipelineStageFlags2, images: &[vk::ImageMemoryBarrier2<'_>]) {
         let memory = [vk::MemoryBarrier2::default()
             .src_stage_mask(self.last)
             .src_access_mask(vk::AccessFlags2::MEMORY_WRITE)
@@ -106,20 +118,15 @@ impl<'a> Recorder<'a> {
         unsafe { self.gpu.device().cmd_copy_buffer(self.commands, from.handle, to.handle, &region) };
     }
 
-    /// Copies an image into another of its size and format.
-    pub(crate) fn copy_image(&mut self, from: &Image, to: &Image) {
+    /// Writes into a buffer from within the command buffer: small data that changes from frame to frame. A multiple of 4
+    /// bytes, at a multiple of 4.
+    pub(crate) fn update_buffer<T: bytemuck::Pod>(&mut self, buffer: &Buffer, offset: u64, data: &[T]) {
         self.barrier(PassKind::Transfer.stages(), &[]);
-        let (source, target) = (whole(from), whole(to));
-        let region = [vk::ImageCopy {
-            src_subresource: source.image_subresource,
-            dst_subresource: target.image_subresource,
-            extent: source.image_extent,
-            ..Default::default()
-        }];
-        let general = vk::ImageLayout::GENERAL;
-        // SAFETY: both images are in the layout GENERAL, of one size and format, and were made for transfers.
-        unsafe {
-            self.gpu.device().cmd_copy_image(self.commands, from.handle, general, to.handle, general, &region);
+        let bytes: &[u8] = bytemuck::cast_slice(data);
+        for (index, part) in bytes.chunks(MOST_UPDATED).enumerate() {
+            let offset = offset + (index * MOST_UPDATED) as u64;
+            // SAFETY: the buffer is for transfers and holds the part; sizes and offsets are multiples of 4.
+            unsafe { self.gpu.device().cmd_update_buffer(self.commands, buffer.handle, offset, part) };
         }
     }
 
@@ -183,7 +190,7 @@ impl<'a> Recorder<'a> {
         set: &BindingSet,
         push: &Push,
         groups: [u32; 2],
-        name: &str,
+        name: &CStr,
     ) {
         let scope = self.pass(PassKind::Compute, name);
         pipeline.dispatch(self.commands, set, push, groups);
@@ -193,7 +200,7 @@ impl<'a> Recorder<'a> {
     /// Records draws into colour and depth images, cleared first: zeros, and depth 1.
     pub(crate) fn render(
         &mut self,
-        name: &str,
+        name: &CStr,
         color: &[&Image],
         depth: &Image,
         draws: &mut dyn FnMut(&mut Rendering),
@@ -242,6 +249,9 @@ impl<'a> Recorder<'a> {
     }
 }
 
+/// The most that one update of a buffer may write.
+const MOST_UPDATED: usize = 65_536;
+
 fn whole(image: &Image) -> vk::BufferImageCopy {
     vk::BufferImageCopy {
         image_subresource: vk::ImageSubresourceLayers {
@@ -273,9 +283,9 @@ pub(crate) struct PassScope<'a> {
 }
 
 impl<'a> PassScope<'a> {
-    fn new(gpu: &'a Gpu, commands: vk::CommandBuffer, name: &str) -> Self {
-        if let (Some(debug), Ok(name)) = (&gpu.inner.debug, std::ffi::CString::new(name)) {
-            let label = vk::DebugUtilsLabelEXT::default().label_name(&name);
+    fn new(gpu: &'a Gpu, commands: vk::CommandBuffer, name: &CStr) -> Self {
+        if let Some(debug) = &gpu.inner.debug {
+            let label = vk::DebugUtilsLabelEXT::default().label_name(name);
             // SAFETY: the command buffer is being recorded; the scope's end closes the label.
             unsafe { debug.cmd_begin_debug_utils_label(commands, &label) };
         }
@@ -286,7 +296,7 @@ impl<'a> PassScope<'a> {
 impl Drop for PassScope<'_> {
     fn drop(&mut self) {
         if let Some(debug) = &self.gpu.inner.debug {
-            // SAFETY: the label was begun in `new` (names have no NUL), in the same command buffer.
+            // SAFETY: the label was begun in `new`, in the same command buffer.
             unsafe { debug.cmd_end_debug_utils_label(self.commands) };
         }
     }

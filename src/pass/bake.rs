@@ -1,5 +1,5 @@
 //! Gathers light with rays. Reads the surface, footprint and source maps, the sky and the hierarchy; merges into the mean
-//! of the even or of the odd quanta. One invocation a texel of the list, a quantum of rays each.
+//! of the even or of the odd quanta, or in a dynamic scene into the running average. One invocation a texel of the list, a quantum of rays each.
 
 use super::{Context, TexelList, groups_of};
 use crate::error::Result;
@@ -9,29 +9,41 @@ use std::ops::Range;
 
 pub(crate) struct Bake {
     pipeline: ComputePipeline,
-    set: BindingSet,
+    /// `[source map]`
+    sets: Vec<BindingSet>,
 }
 
 impl Bake {
     pub(crate) fn new(context: Context<'_>, texels: &TexelList) -> Result<Self> {
         let maps = context.maps;
-        let mut resources = context.scene.tracing_resources();
-        resources.extend([
-            (binding::TEXELS, Resource::Storage(&texels.buffer)),
-            context.scene.sky(),
-            (binding::SURFACE, Resource::StorageImage(&maps.surface)),
-            (binding::FOOTPRINT, Resource::StorageImage(&maps.footprint)),
-            (binding::SOURCE_MAP, Resource::Sampled(&maps.source)),
-            (binding::MEAN_EVEN, Resource::StorageImage(&maps.mean_even)),
-            (binding::MEAN_ODD, Resource::StorageImage(&maps.mean_odd)),
-        ]);
-        let pipeline = ComputePipeline::new(context.gpu, &BAKE, context.constants, &resources)?;
-        let set = pipeline.bind(&resources)?;
-        Ok(Self { pipeline, set })
+        let resources = |source| {
+            let mut resources = context.scene.tracing_resources();
+            resources.extend([
+                (binding::TEXELS, Resource::Storage(&texels.buffer)),
+                context.scene.sky(),
+                (binding::SURFACE, Resource::StorageImage(&maps.surface)),
+                (binding::FOOTPRINT, Resource::StorageImage(&maps.footprint)),
+                (binding::EMISSION, Resource::StorageImage(&maps.emission)),
+                (binding::SOURCE_MAP, Resource::Sampled(source)),
+                (binding::MEAN_EVEN, Resource::StorageImage(&maps.mean_even)),
+                (binding::MEAN_ODD, Resource::StorageImage(&maps.mean_odd)),
+            ]);
+            resources
+        };
+        let pipeline = ComputePipeline::new(context.gpu, &BAKE, context.constants, &resources(&maps.source[0]))?;
+        let sets = maps.source.iter().map(|source| pipeline.bind(&resources(source))).collect::<Result<Vec<_>>>()?;
+        Ok(Self { pipeline, sets })
     }
 
-    /// `push.strata_side` says how many rays a quantum has.
-    pub(crate) fn record(&self, recorder: &mut Recorder<'_>, push: &Push, texels: Range<u32>, quanta: Range<u32>) {
+    /// `push.strata_side` says how many rays a quantum has; `source` which map is read.
+    pub(crate) fn record(
+        &self,
+        recorder: &mut Recorder<'_>,
+        push: &Push,
+        source: usize,
+        texels: Range<u32>,
+        quanta: Range<u32>,
+    ) {
         let push = Push {
             first_texel: texels.start,
             texel_count: texels.end - texels.start,
@@ -39,6 +51,6 @@ impl Bake {
             quantum_count: quanta.end - quanta.start,
             ..*push
         };
-        recorder.dispatch(&self.pipeline, &self.set, &push, groups_of(&push), "bake");
+        recorder.dispatch(&self.pipeline, &self.sets[source], &push, groups_of(&push), c"bake");
     }
 }

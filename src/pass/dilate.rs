@@ -11,7 +11,7 @@ pub(crate) struct Dilate {
     pipeline: ComputePipeline,
     /// Reads the one image and writes the other, and the other way round.
     sets: [BindingSet; 2],
-    _nearest: [Image; 2],
+    nearest: [Image; 2],
 }
 
 impl Dilate {
@@ -30,7 +30,7 @@ impl Dilate {
         let resources = |before, after| {
             [
                 (binding::SURFACE, Resource::StorageImage(&maps.surface)),
-                (binding::LIGHT_MAP, Resource::StorageImage(&maps.light_map)),
+                (binding::LIGHT_MAP, Resource::StorageImage(&maps.light_map[0])),
                 (binding::NEAREST_BEFORE, Resource::StorageImage(before)),
                 (binding::NEAREST_AFTER, Resource::StorageImage(after)),
             ]
@@ -38,17 +38,39 @@ impl Dilate {
         let (there, back) = (resources(&nearest[0], &nearest[1]), resources(&nearest[1], &nearest[0]));
         let pipeline = ComputePipeline::new(context.gpu, &DILATE, context.constants, &there)?;
         let sets = [pipeline.bind(&there)?, pipeline.bind(&back)?];
-        Ok(Self { pipeline, sets, _nearest: nearest })
+        Ok(Self { pipeline, sets, nearest })
     }
 
+    /// Finds the nearest texels and fills.
     pub(crate) fn record(&self, recorder: &mut Recorder<'_>, push: &Push) {
-        let groups = push.map_size.map(|side| side.div_ceil(SQUARE_GROUP).max(1));
-        let largest = push.map_size[0].max(push.map_size[1]).next_power_of_two() / 2;
-        // Down to 1, once more at 1 for what a jump misses, and 0: fill.
-        let steps = (0..=largest.max(1).ilog2()).rev().map(|shift| 1 << shift).chain([1, 0]);
-        for (index, step_texels) in steps.enumerate() {
-            let push = Push { step_texels, first_quantum: index as u32, ..*push };
-            recorder.dispatch(&self.pipeline, &self.sets[index % 2], &push, groups, "dilate");
+        for (index, step_texels) in steps(push.map_size).chain([0]).enumerate() {
+            self.record_step(recorder, push, index, step_texels);
         }
     }
+
+    /// Finds the nearest texels, and does not fill.
+    pub(crate) fn record_search(&self, recorder: &mut Recorder<'_>, push: &Push) {
+        for (index, step_texels) in steps(push.map_size).enumerate() {
+            self.record_step(recorder, push, index, step_texels);
+        }
+    }
+
+    /// What a search has found.
+    pub(crate) fn into_nearest(self, map_size: [u32; 2]) -> Image {
+        let [one, other] = self.nearest;
+        // The first step writes the other.
+        if steps(map_size).count() % 2 == 1 { other } else { one }
+    }
+
+    fn record_step(&self, recorder: &mut Recorder<'_>, push: &Push, index: usize, step_texels: u32) {
+        let groups = push.map_size.map(|side| side.div_ceil(SQUARE_GROUP).max(1));
+        let push = Push { step_texels, first_quantum: index as u32, ..*push };
+        recorder.dispatch(&self.pipeline, &self.sets[index % 2], &push, groups, c"dilate");
+    }
+}
+
+/// How far each pass looks: down to 1, and once more at 1 for what a jump misses.
+fn steps(map_size: [u32; 2]) -> impl Iterator<Item = u32> {
+    let largest = map_size[0].max(map_size[1]).next_power_of_two() / 2;
+    (0..=largest.max(1).ilog2()).rev().map(|shift| 1 << shift).chain([1])
 }

@@ -29,6 +29,6 @@ impl Direct {
 
     pub(crate) fn record(&self, recorder: &mut Recorder<'_>, push: &Push, texels: Range<u32>) {
         let push = Push { first_texel: texels.start, texel_count: texels.end - texels.start, ..*push };
-        recorder.dispatch(&self.pipeline, &self.set, &push, groups_of(&push), "direct");
+        recorder.dispatch(&self.pipeline, &self.set, &push, groups_of(&push), c"direct");
     }
 }

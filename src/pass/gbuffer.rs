@@ -78,7 +78,7 @@ impl Gbuffer {
         part: &dyn Fn(std::ops::Range<u32>) -> std::ops::Range<u32>,
     ) {
         let color = [&maps.surface, &maps.albedo, &maps.emission];
-        recorder.render("gbuffer", &color, &self.depth, &mut |rendering: &mut Rendering| {
+        recorder.render(c"gbuffer", &color, &self.depth, &mut |rendering: &mut Rendering| {
             for draw in &self.draws {
                 let push = Push { instance: draw.instance, ..*push };
                 rendering.draw(&self.pipeline, &draw.set, &push, part(draw.vertices.clone()));

@@ -12,49 +12,60 @@ pub(crate) struct Maps {
     pub(crate) surface: Image,
     /// fp32: fp16 would turn .9 into .8999, and a closed furnace of .99 would lose 2.5 %.
     pub(crate) albedo: Image,
+    /// The emission texture's colour, which the material's emission multiplies.
     pub(crate) emission: Image,
     /// Where in the texel rays start.
     pub(crate) footprint: Image,
     /// Irradiance from analytic lights.
     pub(crate) direct: Image,
-    /// Mean gathered irradiance of the even quanta, and its samples.
+    /// Mean gathered irradiance of the even quanta, and its samples. Dynamic: the running average.
     pub(crate) mean_even: Image,
-    /// The same of the odd quanta.
+    /// The same of the odd quanta. Dynamic: what the last visit gathered.
     pub(crate) mean_odd: Image,
-    /// Outgoing radiance: what hits read.
-    pub(crate) source: Image,
-    /// Irradiance and coverage.
-    pub(crate) light_map: Image,
+    /// Outgoing radiance: what hits read. Dynamic: two, one read while the other is written.
+    pub(crate) source: Vec<Image>,
+    /// Irradiance and coverage. Dynamic: as many as the engine may still read while another is written.
+    pub(crate) light_map: Vec<Image>,
 }
 
-/// Name, format, and the feature without which it is not needed.
-type Plan = (&'static str, vk::Format, Option<Features>);
+/// One that the engine reads, one that frames under way may still read, one that is written.
+const PUBLISHED: usize = 3;
 
 const RADIANCE: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
-const PLANS: [Plan; 9] = [
-    ("surface map", vk::Format::R32G32B32A32_UINT, None),
-    ("albedo map", RADIANCE, None),
-    ("emission map", RADIANCE, None),
-    ("footprint map", vk::Format::R32_UINT, None),
-    ("direct map", RADIANCE, Some(Features::LIGHTS)),
-    ("mean of even quanta", RADIANCE, None),
-    ("mean of odd quanta", RADIANCE, None),
-    ("source map", RADIANCE, None),
-    ("light map", RADIANCE, None),
-];
+
+/// Name, format and number of full size.
+type Plan = (&'static str, vk::Format, usize);
+
+fn plans(features: Features) -> [Plan; 9] {
+    let dynamic = features.contains(Features::DYNAMIC);
+    let several = |count| if dynamic { count } else { 1 };
+    [
+        ("surface map", vk::Format::R32G32B32A32_UINT, 1),
+        ("albedo map", RADIANCE, 1),
+        ("emission map", RADIANCE, 1),
+        ("footprint map", vk::Format::R32_UINT, 1),
+        ("direct map", RADIANCE, usize::from(features.contains(Features::LIGHTS))),
+        (if dynamic { "running average" } else { "mean of even quanta" }, RADIANCE, 1),
+        (if dynamic { "last visit" } else { "mean of odd quanta" }, RADIANCE, 1),
+        ("source map", RADIANCE, several(2)),
+        ("light map", RADIANCE, several(PUBLISHED)),
+    ]
+}
 
 impl Maps {
     pub(crate) fn new(gpu: &Gpu, commands: &mut Commands, size: [u32; 2], features: Features) -> Result<Self> {
+        let plans = plans(features);
         let usage = vk::ImageUsageFlags::STORAGE
             | vk::ImageUsageFlags::SAMPLED
             | vk::ImageUsageFlags::TRANSFER_SRC
             | vk::ImageUsageFlags::TRANSFER_DST;
         let attachment = usage | vk::ImageUsageFlags::COLOR_ATTACHMENT;
         let image = |index: usize, usage| {
-            let (name, format, feature) = PLANS[index];
-            let size = if feature.is_none_or(|feature| features.contains(feature)) { size } else { [1, 1] };
+            let (name, format, count) = plans[index];
+            let size = if count > 0 { size } else { [1, 1] };
             Image::new(gpu, ImageDesc { name, size, format, usage, mip_levels: 1 })
         };
+        let several = |index: usize| (0..plans[index].2).map(|_| image(index, usage)).collect::<Result<Vec<_>>>();
         let maps = Self {
             size,
             surface: image(0, attachment)?,
@@ -64,8 +75,8 @@ impl Maps {
             direct: image(4, usage)?,
             mean_even: image(5, usage)?,
             mean_odd: image(6, usage)?,
-            source: image(7, usage)?,
-            light_map: image(8, usage)?,
+            source: several(7)?,
+            light_map: several(8)?,
         };
         commands.run(|recorder| {
             recorder.initialise(&maps.all());
@@ -74,8 +85,8 @@ impl Maps {
         Ok(maps)
     }
 
-    fn all(&self) -> [&Image; 9] {
-        [
+    fn all(&self) -> Vec<&Image> {
+        let single = [
             &self.surface,
             &self.albedo,
             &self.emission,
@@ -83,18 +94,15 @@ impl Maps {
             &self.direct,
             &self.mean_even,
             &self.mean_odd,
-            &self.source,
-            &self.light_map,
-        ]
+        ];
+        single.into_iter().chain(&self.source).chain(&self.light_map).collect()
     }
 
     /// Bytes that the images take, by name.
     pub(crate) fn bytes(size: [u32; 2], features: Features) -> impl Iterator<Item = (&'static str, u64)> {
         let texels = u64::from(size[0]) * u64::from(size[1]);
-        PLANS
-            .into_iter()
-            .filter(move |(_, _, feature)| feature.is_none_or(|feature| features.contains(feature)))
-            .map(move |(name, format, _)| (name, texels * texel_bytes(format)))
+        let bytes = move |(name, format, count): Plan| (name, texels * texel_bytes(format) * count as u64);
+        plans(features).into_iter().filter(|(_, _, count)| *count > 0).map(bytes)
     }
 }
 

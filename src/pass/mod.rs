@@ -6,6 +6,7 @@ mod direct;
 mod gbuffer;
 mod maps;
 mod primitives;
+mod publish;
 mod resolve;
 mod scene;
 mod settle;
@@ -18,8 +19,9 @@ pub(crate) use dilate::Dilate;
 pub(crate) use direct::Direct;
 pub(crate) use gbuffer::Gbuffer;
 pub(crate) use maps::Maps;
+pub(crate) use publish::Publish;
 pub(crate) use resolve::{Resolve, ResolveSums};
-pub(crate) use scene::DeviceScene;
+pub(crate) use scene::{DeviceScene, encode_light};
 pub(crate) use settle::Settle;
 pub(crate) use source::{Source, SourceSums};
 pub(crate) use trace::Trace;
@@ -28,6 +30,7 @@ use crate::error::Result;
 use crate::gpu::layout::{GROUP, Push};
 use crate::gpu::{Buffer, BufferDesc, Commands, Constants, Gpu, Location};
 use ash::vk;
+use std::ops::Range;
 
 /// What every pass is made from.
 #[derive(Clone, Copy)]
@@ -38,10 +41,25 @@ pub(crate) struct Context<'a> {
     pub(crate) maps: &'a Maps,
 }
 
-/// The texels that are baked.
+/// What a texel of the light map is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum TexelKind {
+    /// No surface lies there.
+    Empty,
+    /// A surface inside something: it takes no rays.
+    GivenUp,
+    /// It takes rays.
+    Baked,
+}
+
+/// The texels that lie on a surface.
 pub(crate) struct TexelList {
+    /// Those that are baked, then those that are given up.
     pub(crate) buffer: Buffer,
+    /// How many are baked.
     pub(crate) count: u32,
+    /// How many are given up: they emit all the same.
+    pub(crate) given_up: u32,
     /// One `vec4` a work group, for the host to read.
     pub(crate) sums: Buffer,
 }
@@ -50,30 +68,28 @@ pub(crate) struct TexelList {
 const BLOCK: usize = 8;
 
 impl TexelList {
-    /// Lists the texels for which `wanted` (`[texel]`, row-major) is true.
+    /// `kind_of` is asked of every texel, row-major.
     pub(crate) fn new(
         gpu: &Gpu,
         commands: &mut Commands,
         size: [u32; 2],
-        wanted: impl Fn(usize) -> bool,
+        kind_of: impl Fn(usize) -> TexelKind,
     ) -> Result<Self> {
-        let (width, height) = (size[0] as usize, size[1] as usize);
-        let mut texels = Vec::new();
-        for y0 in (0..height).step_by(BLOCK) {
-            for x0 in (0..width).step_by(BLOCK) {
-                for y in y0..(y0 + BLOCK).min(height) {
-                    let row = (x0..(x0 + BLOCK).min(width)).filter(|x| wanted(y * width + x));
-                    texels.extend(row.map(|x| x as u32 | (y as u32) << 16));
-                }
-            }
-        }
+        let mut texels = list(size, |texel| kind_of(texel) == TexelKind::Baked);
+        let count = texels.len() as u32;
+        texels.extend(list(size, |texel| kind_of(texel) == TexelKind::GivenUp));
+        let given_up = texels.len() as u32 - count;
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let size = size_of_val(texels.as_slice()) as u64;
         let desc = BufferDesc { name: "texels", size, usage: storage, location: Location::Device };
-        let count = texels.len() as u32;
-        let size = u64::from(count.div_ceil(GROUP)) * 16;
+        let size = u64::from(count.max(given_up).div_ceil(GROUP)) * 16;
         let sums = Buffer::new(gpu, BufferDesc { name: "sums", size, usage: storage, location: Location::ReadBack })?;
-        Ok(Self { buffer: commands.upload(desc, &texels)?, count, sums })
+        Ok(Self { buffer: commands.upload(desc, &texels)?, count, given_up, sums })
+    }
+
+    /// The texels that are given up, as a range of the list.
+    pub(crate) fn rest(&self) -> Range<u32> {
+        self.count..self.count + self.given_up
     }
 
     /// What the work groups of a pass over the whole list summed up, in f64, in order.
@@ -82,6 +98,20 @@ impl TexelList {
         let sums: Vec<[f32; 4]> = bytemuck::pod_collect_to_vec(&self.sums.bytes()[..groups * 16]);
         sums.into_iter().map(|sum| sum.map(f64::from)).collect()
     }
+}
+
+fn list([width, height]: [u32; 2], wanted: impl Fn(usize) -> bool) -> Vec<u32> {
+    let (width, height) = (width as usize, height as usize);
+    let mut texels = Vec::new();
+    for y0 in (0..height).step_by(BLOCK) {
+        for x0 in (0..width).step_by(BLOCK) {
+            for y in y0..(y0 + BLOCK).min(height) {
+                let row = (x0..(x0 + BLOCK).min(width)).filter(|x| wanted(y * width + x));
+                texels.extend(row.map(|x| x as u32 | (y as u32) << 16));
+            }
+        }
+    }
+    texels
 }
 
 /// Work groups of a pass over texels of the list; one at least, which has nothing to do where there are none.

@@ -11,22 +11,55 @@ pub(super) struct Encoded {
     pub(super) primitives: Vec<Primitive>,
     /// `[primitive]`, empty when nothing is textured.
     pub(super) texcoords: Vec<Texcoords>,
+    pub(super) radiators: Radiators,
+}
+
+/// What emits.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Radiators {
     /// The scene's materials, then one for each unmapped triangle with a textured emission.
-    pub(super) materials: Vec<Material>,
+    pub(crate) materials: Vec<Material>,
+    /// Of the latter: the material, and the mean colour of its texture over the triangle.
+    tinted: Vec<(usize, Vec3)>,
+}
+
+impl Radiators {
+    fn new(scene: &Scene) -> Self {
+        let material = |m: &crate::scene::Material| Material {
+            albedo: m.albedo.into(),
+            pad0: 0,
+            emission: m.emission.into(),
+            pad1: 0,
+        };
+        Self { materials: scene.materials().iter().map(material).collect(), tinted: Vec::new() }
+    }
+
+    fn add_tinted(&mut self, material: usize, tint: Vec3) -> u32 {
+        let emission = Vec3::from(self.materials[material].emission) * tint;
+        self.materials.push(Material { albedo: [0.0; 3], pad0: 0, emission: emission.into(), pad1: 0 });
+        self.tinted.push((material, tint));
+        self.materials.len() as u32 - 1
+    }
+
+    /// Changes what one of the scene's materials emits.
+    pub(crate) fn set_emission(&mut self, material: usize, emission: Vec3) {
+        let own = self.materials.len() - self.tinted.len();
+        let (own, tinted) = self.materials.split_at_mut(own);
+        own[material].emission = emission.into();
+        for (copy, (original, tint)) in tinted.iter_mut().zip(&self.tinted) {
+            if *original == material {
+                copy.emission = (emission * *tint).into();
+            }
+        }
+    }
 }
 
 pub(super) fn encode(scene: &Scene, bvh: &Bvh) -> Encoded {
-    let material = |m: &crate::scene::Material| Material {
-        albedo: m.albedo.into(),
-        pad0: 0,
-        emission: m.emission.into(),
-        pad1: 0,
-    };
     let textured = scene.meshes().iter().any(|mesh| !mesh.albedo_uvs().is_empty());
     let mut encoded = Encoded {
         primitives: vec![bytemuck::Zeroable::zeroed(); bvh.triangles.len()],
         texcoords: vec![bytemuck::Zeroable::zeroed(); if textured { bvh.triangles.len() } else { 0 }],
-        materials: scene.materials().iter().map(material).collect(),
+        radiators: Radiators::new(scene),
     };
     for ((mesh, range), order) in scene.meshes().iter().zip(&bvh.meshes).zip(&bvh.order) {
         for (slot, triangle) in order.iter().enumerate() {
@@ -67,14 +100,11 @@ impl Encoded {
     fn radiating_material(&mut self, scene: &Scene, mesh: &Mesh, triangle: usize, unmapped: bool) -> u32 {
         let index = mesh.materials()[triangle];
         let material = &scene.materials()[index as usize];
-        let Some(texture) = material.emission_texture.filter(|_| unmapped && material.is_emissive()) else {
-            return index;
-        };
+        // One that is dark now may shine later.
+        let Some(texture) = material.emission_texture.filter(|_| unmapped) else { return index };
         let uvs = mesh.emission_uvs()[triangle];
         let mean = mean_over(&scene.textures()[texture.texture], texture.wrap, uvs);
-        let emission = (material.emission * mean).into();
-        self.materials.push(Material { albedo: [0.0; 3], pad0: 0, emission, pad1: 0 });
-        self.materials.len() as u32 - 1
+        self.radiators.add_tinted(index as usize, mean)
     }
 }
 

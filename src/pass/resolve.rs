@@ -29,7 +29,7 @@ impl Resolve {
             (binding::MEAN_EVEN, Resource::StorageImage(&maps.mean_even)),
             (binding::MEAN_ODD, Resource::StorageImage(&maps.mean_odd)),
             (binding::DIRECT, Resource::StorageImage(&maps.direct)),
-            (binding::LIGHT_MAP, Resource::StorageImage(&maps.light_map)),
+            (binding::LIGHT_MAP, Resource::StorageImage(&maps.light_map[0])),
             (binding::SUMS, Resource::Storage(&texels.sums)),
         ];
         let pipeline = ComputePipeline::new(context.gpu, &RESOLVE, context.constants, &resources)?;
@@ -39,7 +39,7 @@ impl Resolve {
 
     pub(crate) fn record(&self, recorder: &mut Recorder<'_>, push: &Push, texels: Range<u32>) {
         let push = Push { first_texel: texels.start, texel_count: texels.end - texels.start, ..*push };
-        recorder.dispatch(&self.pipeline, &self.set, &push, groups_of(&push), "resolve");
+        recorder.dispatch(&self.pipeline, &self.set, &push, groups_of(&push), c"resolve");
     }
 }
 

@@ -1,15 +1,16 @@
 //! The scene on the device.
 
-use super::primitives::{self, Encoded};
-use crate::bvh::Bvh;
+use super::primitives::{self, Encoded, Radiators};
+use crate::bvh::{Bvh, Node};
 use crate::error::Result;
 use crate::features::Features;
 use crate::gpu::layout::{self, binding};
 use crate::gpu::{
-    Backend, Buffer, BufferDesc, Commands, Gpu, Image, ImageDesc, Location, Resource, Sampler, SceneStructure,
+    Backend, Buffer, BufferDesc, Commands, Gpu, Image, ImageDesc, Location, Recorder, Resource, Sampler, SceneStructure,
 };
 use crate::scene::{Light, LightKind, Scene, Sky};
 use ash::vk;
+use bytemuck::Zeroable;
 use glam::{DVec3, Vec3};
 
 /// The scene's buffers.
@@ -19,10 +20,11 @@ pub(crate) struct DeviceScene {
     pub(super) primitives: Buffer,
     pub(super) instances: Buffer,
     pub(super) materials: Buffer,
+    pub(crate) radiators: Radiators,
     pub(super) texcoords: Buffer,
     pub(crate) lights: Buffer,
     pub(crate) light_count: u32,
-    sky: Image,
+    pub(crate) sky: Image,
     sampler: Sampler,
 }
 
@@ -33,8 +35,14 @@ enum Hierarchy {
 }
 
 impl DeviceScene {
-    pub(crate) fn new(gpu: &Gpu, commands: &mut Commands, scene: &Scene, bvh: &Bvh) -> Result<Self> {
-        let Encoded { primitives, texcoords, materials } = primitives::encode(scene, bvh);
+    pub(crate) fn new(
+        gpu: &Gpu,
+        commands: &mut Commands,
+        scene: &Scene,
+        bvh: &Bvh,
+        features: Features,
+    ) -> Result<Self> {
+        let Encoded { primitives, texcoords, radiators } = primitives::encode(scene, bvh);
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let hardware = gpu.backend() == Backend::RayQuery;
         let input = vk::BufferUsageFlags::SHADER_DEVICE_ADDRESS
@@ -42,21 +50,20 @@ impl DeviceScene {
         let triangle_usage = if hardware { storage | input } else { storage };
         let triangles = upload(commands, "triangles", triangle_usage, &bvh.triangles)?;
         let hierarchy = match gpu.backend() {
-            Backend::Software => Hierarchy::Software(upload(commands, "nodes", storage, &bvh.nodes)?),
+            Backend::Software => Hierarchy::Software(upload_nodes(commands, bvh)?),
             Backend::RayQuery => Hierarchy::Hardware(SceneStructure::new(gpu, commands, bvh, &triangles)?),
         };
-        let lights: Vec<layout::Light> = scene
-            .lights()
-            .iter()
-            .filter(|light| light.intensity != Vec3::ZERO)
-            .map(|l| encode_light(l, bvh.centre))
-            .collect();
+        // One that is dark now may shine later.
+        let matters = |light: &&Light| features.contains(Features::DYNAMIC) || light.intensity != Vec3::ZERO;
+        let lights: Vec<layout::Light> =
+            scene.lights().iter().filter(matters).map(|light| encode_light(light, bvh.centre)).collect();
         Ok(Self {
             hierarchy,
             triangles,
             primitives: upload(commands, "primitives", storage, &primitives)?,
             instances: upload(commands, "instances", storage, &bvh.instances)?,
-            materials: upload(commands, "materials", storage, &materials)?,
+            materials: upload(commands, "materials", storage, &radiators.materials)?,
+            radiators,
             texcoords: upload(commands, "texture coordinates", storage, &texcoords)?,
             light_count: lights.len() as u32,
             lights: upload(commands, "lights", storage, &lights)?,
@@ -90,6 +97,28 @@ impl DeviceScene {
         (binding::SKY_MAP, Resource::Texture(&self.sky, &self.sampler))
     }
 
+    /// Records where the instances now are: their records, and the top level.
+    ///
+    pub(crate) fn record_placing(&mut self, recorder: &mut Recorder<'_>, bvh: &Bvh) -> Result<()> {
+        recorder.update_buffer(&self.instances, 0, &bvh.instances);
+        match &mut self.hierarchy {
+            Hierarchy::Software(nodes) => {
+                let first = bvh.bottom_nodes();
+                recorder.update_buffer(nodes, (first * size_of::<Node>()) as u64, &bvh.nodes[first..]);
+                Ok(())
+            }
+            Hierarchy::Hardware(structure) => structure.rebuild(recorder, bvh),
+        }
+    }
+
+    pub(crate) fn record_lights(&self, recorder: &mut Recorder<'_>, lights: &[layout::Light]) {
+        recorder.update_buffer(&self.lights, 0, lights);
+    }
+
+    pub(crate) fn record_radiators(&self, recorder: &mut Recorder<'_>) {
+        recorder.update_buffer(&self.materials, 0, &self.radiators.materials);
+    }
+
     /// Bytes that the scene takes on the device, by name.
     pub(crate) fn bytes(scene: &Scene, features: Features) -> Vec<(&'static str, u64)> {
         let placed = |index: usize| scene.instances().iter().any(|instance| instance.mesh == index);
@@ -98,7 +127,7 @@ impl DeviceScene {
         let size = |bytes: usize, count: u64| bytes as u64 * count;
         let mut parts = vec![
             // About one node for two triangles that share leaves of two; measured .5 to .9 on game levels.
-            ("nodes", size(size_of::<crate::bvh::Node>(), triangles * 7 / 10 + 1)),
+            ("nodes", size(size_of::<Node>(), triangles * 7 / 10 + 1)),
             ("triangles", size(size_of::<crate::bvh::Triangle>(), triangles)),
             ("primitives", size(size_of::<layout::Primitive>(), triangles)),
             ("instances", size(size_of::<crate::bvh::InstanceRecord>(), scene.instances().len() as u64)),
@@ -113,6 +142,13 @@ impl DeviceScene {
         }
         parts
     }
+}
+
+/// With room for any top level.
+fn upload_nodes(commands: &mut Commands, bvh: &Bvh) -> Result<Buffer> {
+    let mut nodes = bvh.nodes.clone();
+    nodes.resize(bvh.most_nodes(), Node::zeroed());
+    upload(commands, "nodes", vk::BufferUsageFlags::STORAGE_BUFFER, &nodes)
 }
 
 fn upload<T: bytemuck::Pod>(
@@ -135,8 +171,8 @@ fn upload_sky(commands: &mut Commands, sky: &Sky) -> Result<Image> {
     commands.upload_image(ImageDesc { name: "sky map", size, format, usage, mip_levels: 1 }, &pixels)
 }
 
-fn encode_light(light: &Light, centre: DVec3) -> layout::Light {
-    let mut encoded: layout::Light = bytemuck::Zeroable::zeroed();
+pub(crate) fn encode_light(light: &Light, centre: DVec3) -> layout::Light {
+    let mut encoded: layout::Light = layout::Light::zeroed();
     encoded.intensity = light.intensity.into();
     let place = |position: DVec3, range: Option<f32>| ((position - centre).as_vec3().into(), range.unwrap_or(0.0));
     match light.kind {

@@ -29,6 +29,6 @@ impl Settle {
         let groups = [push.map_size[0].div_ceil(SQUARE_GROUP), (rows.end - rows.start).div_ceil(SQUARE_GROUP)];
         // Which texels are given up depends on geometry alone, not on the seed.
         let push = Push { first_texel: rows.start, seed: [0, 0], ..*push };
-        recorder.dispatch(&self.pipeline, &self.set, &push, groups, "settle");
+        recorder.dispatch(&self.pipeline, &self.set, &push, groups, c"settle");
     }
 }

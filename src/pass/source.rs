@@ -1,5 +1,5 @@
 //! Outgoing radiance of every texel. Reads albedo, emission and irradiance; writes the source map, and sums over work
-//! groups for the host. One invocation a texel of the list, all at once.
+//! groups for the host. One invocation a texel of the list.
 
 use super::{Context, TexelList, groups_of};
 use crate::error::Result;
@@ -9,7 +9,8 @@ use std::ops::Range;
 
 pub(crate) struct Source {
     pipeline: ComputePipeline,
-    set: BindingSet,
+    /// `[source map]`
+    sets: Vec<BindingSet>,
 }
 
 /// What the pass tells of the whole map.
@@ -28,26 +29,30 @@ pub(crate) struct SourceSums {
 impl Source {
     pub(crate) fn new(context: Context<'_>, texels: &TexelList) -> Result<Self> {
         let maps = context.maps;
-        let mut resources = context.scene.surface_resources();
-        resources.extend([
-            (binding::TEXELS, Resource::Storage(&texels.buffer)),
-            (binding::SURFACE, Resource::StorageImage(&maps.surface)),
-            (binding::MEAN_EVEN, Resource::StorageImage(&maps.mean_even)),
-            (binding::MEAN_ODD, Resource::StorageImage(&maps.mean_odd)),
-            (binding::DIRECT, Resource::StorageImage(&maps.direct)),
-            (binding::ALBEDO, Resource::StorageImage(&maps.albedo)),
-            (binding::EMISSION, Resource::StorageImage(&maps.emission)),
-            (binding::SOURCE_IMAGE, Resource::StorageImage(&maps.source)),
-            (binding::SUMS, Resource::Storage(&texels.sums)),
-        ]);
-        let pipeline = ComputePipeline::new(context.gpu, &SOURCE, context.constants, &resources)?;
-        let set = pipeline.bind(&resources)?;
-        Ok(Self { pipeline, set })
+        let resources = |source| {
+            let mut resources = context.scene.surface_resources();
+            resources.extend([
+                (binding::TEXELS, Resource::Storage(&texels.buffer)),
+                (binding::SURFACE, Resource::StorageImage(&maps.surface)),
+                (binding::MEAN_EVEN, Resource::StorageImage(&maps.mean_even)),
+                (binding::MEAN_ODD, Resource::StorageImage(&maps.mean_odd)),
+                (binding::DIRECT, Resource::StorageImage(&maps.direct)),
+                (binding::ALBEDO, Resource::StorageImage(&maps.albedo)),
+                (binding::EMISSION, Resource::StorageImage(&maps.emission)),
+                (binding::SOURCE_IMAGE, Resource::StorageImage(source)),
+                (binding::SUMS, Resource::Storage(&texels.sums)),
+            ]);
+            resources
+        };
+        let pipeline = ComputePipeline::new(context.gpu, &SOURCE, context.constants, &resources(&maps.source[0]))?;
+        let sets = maps.source.iter().map(|source| pipeline.bind(&resources(source))).collect::<Result<Vec<_>>>()?;
+        Ok(Self { pipeline, sets })
     }
 
-    pub(crate) fn record(&self, recorder: &mut Recorder<'_>, push: &Push, texels: Range<u32>) {
+    /// `source`: which map is written. The sums are those of the last recording.
+    pub(crate) fn record(&self, recorder: &mut Recorder<'_>, push: &Push, source: usize, texels: Range<u32>) {
         let push = Push { first_texel: texels.start, texel_count: texels.end - texels.start, ..*push };
-        recorder.dispatch(&self.pipeline, &self.set, &push, groups_of(&push), "source");
+        recorder.dispatch(&self.pipeline, &self.sets[source], &push, groups_of(&push), c"source");
     }
 }
 

@@ -27,6 +27,6 @@ impl Trace {
 
     pub(crate) fn record(&self, recorder: &mut Recorder<'_>, push: &Push, count: u32) {
         let push = Push { texel_count: count, ..*push };
-        recorder.dispatch(&self.pipeline, &self.set, &push, [count.div_ceil(GROUP), 1], "trace");
+        recorder.dispatch(&self.pipeline, &self.set, &push, [count.div_ceil(GROUP), 1], c"trace");
     }
 }

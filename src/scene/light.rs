@@ -47,6 +47,12 @@ pub struct Light {
 }
 
 impl Light {
+    /// The light, its numbers checked and its direction brought to unit length.
+    pub(crate) fn checked(mut self) -> Result<Self> {
+        self.check()?;
+        Ok(self)
+    }
+
     /// Checks the numbers and brings directions to unit length.
     pub(super) fn check(&mut self) -> Result<()> {
         let name = &self.name;

@@ -174,7 +174,7 @@ impl Scene {
 }
 
 /// `Ok` when every component is finite and not negative.
-fn check_light_quantity(what: impl Fn() -> String, value: Vec3) -> Result<()> {
+pub(crate) fn check_light_quantity(what: impl Fn() -> String, value: Vec3) -> Result<()> {
     if value.is_finite() && value.min_element() >= 0.0 {
         return Ok(());
     }

@@ -31,7 +31,7 @@ pub struct SkyMap {
 }
 
 impl Sky {
-    pub(super) fn check(&self) -> Result<()> {
+    pub(crate) fn check(&self) -> Result<()> {
         match self {
             Self::Black => Ok(()),
             Self::Constant(radiance) => check_light_quantity(|| "the sky's radiance".into(), *radiance),

@@ -13,7 +13,12 @@ fn quad() -> MeshPart {
 }
 
 fn scene_of(parts: Vec<MeshPart>, transforms: &[DAffine3]) -> Result<Scene> {
-    let instance = |(i, t): (usize, &DAffine3)| Instance { name: format!("i{i}"), mesh: 0, transform: *t, mobility: Mobility::Static };
+    let instance = |(i, t): (usize, &DAffine3)| Instance {
+        name: format!("i{i}"),
+        mesh: 0,
+        transform: *t,
+        mobility: Mobility::Static,
+    };
     Scene::new(SceneDesc {
         name: "test".into(),
         meshes: vec![MeshDesc { name: "quad".into(), parts }],

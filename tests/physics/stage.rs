@@ -122,7 +122,12 @@ impl Stage {
         let parts = quads.iter().map(Quad::part).collect();
         let mesh = self.desc.meshes.len();
         self.desc.meshes.push(MeshDesc { name: format!("mesh {mesh}"), parts });
-        self.desc.instances.push(Instance { name: format!("instance {mesh}"), mesh, transform, mobility: Mobility::Static });
+        self.desc.instances.push(Instance {
+            name: format!("instance {mesh}"),
+            mesh,
+            transform,
+            mobility: Mobility::Static,
+        });
     }
 
     /// The scene with these rectangles as its only further mesh, where they are.

@@ -285,7 +285,10 @@ fn an_instance_that_is_taken_out_is_not_met() {
         assert!(bvh.nodes.len() <= most && bvh.stack_size <= bvh.most_stack_size());
         bvh.trace_closest(&down, None).map(|hit| hit.instance)
     };
-    assert_eq!([met(&[]), met(&[2]), met(&[1, 2]), met(&[0, 1, 2]), met(&[0])], [Some(2), Some(1), Some(0), None, Some(2)]);
+    assert_eq!(
+        [met(&[]), met(&[2]), met(&[1, 2]), met(&[0, 1, 2]), met(&[0])],
+        [Some(2), Some(1), Some(0), None, Some(2)]
+    );
 }
 
 /// A thousand instances, in any order, need no more stack than was promised when the pipelines were made.

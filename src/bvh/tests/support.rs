@@ -83,8 +83,12 @@ pub(super) fn scene(soups: &[Soup], placed: &[(usize, DAffine3)]) -> Scene {
         name: format!("m{index}"),
         parts: vec![MeshPart { positions: soup.iter().flatten().copied().collect(), ..MeshPart::default() }],
     };
-    let instance =
-        |(mesh, transform): &(usize, DAffine3)| Instance { name: "i".into(), mesh: *mesh, transform: *transform, mobility: Mobility::Static };
+    let instance = |(mesh, transform): &(usize, DAffine3)| Instance {
+        name: "i".into(),
+        mesh: *mesh,
+        transform: *transform,
+        mobility: Mobility::Static,
+    };
     Scene::new(SceneDesc {
         meshes: soups.iter().enumerate().map(mesh).collect(),
         instances: placed.iter().map(instance).collect(),

@@ -62,7 +62,8 @@ fn host_structs() -> Vec<HostStruct> {
                 step_texels,
                 mean_luminance,
                 strata_side,
-                first_sample
+                first_sample,
+                history
             }
         ),
     ]

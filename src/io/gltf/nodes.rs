@@ -4,9 +4,9 @@ use super::names;
 use crate::error::{Error, Result};
 use crate::scene::Mobility;
 use glam::{DAffine3, DMat3, DQuat, DVec3};
-use gltf::scene::Transform;
 use gltf::json::animation::Property;
 use gltf::json::validation::Checked;
+use gltf::scene::Transform;
 use gltf::{Document, Node};
 
 /// Rounding allowed in the last row of a node's matrix.

@@ -1,0 +1,357 @@
+//! The algorithm within an engine's frames, as a list of passes: what changed is written, then direct light where it is
+//! out of date, rays, and a light map, each as far as the frame's time goes.
+
+mod flight;
+mod published;
+mod report;
+mod settings;
+mod settling;
+mod sky_map;
+mod timing;
+mod world;
+
+pub use report::{FrameId, FrameReport, FrameTiming, MeasuredBy, Ran};
+pub use settings::{Clock, FrameSettings, Timing};
+
+use super::Core;
+use crate::bvh::Bvh;
+use crate::error::{Error, Result};
+use crate::features::Features;
+use crate::gpu::layout::{Push, SQUARE_GROUP};
+use crate::gpu::{FrameCommands, FrameSubmitter, MARKS, Recorder, TimelinePoint, Timer};
+use crate::pass::{Bake, Context, Dilate, Direct, Publish, Resolve, Source};
+use crate::scene::Scene;
+use crate::schedule::{Extent, FrameScheduler, Needs, Stage, TILE, Work, samples_per_texel};
+use crate::temporal::{Average, History};
+use flight::Flight;
+use published::Published;
+use settling::Settling;
+use std::ops::Range;
+use std::time::{Duration, Instant};
+use world::{Changes, World};
+
+/// Side of the grid of strata of a quantum: 16 rays.
+const STRATA_SIDE: u32 = 4;
+const RAYS: u32 = STRATA_SIDE * STRATA_SIDE;
+
+/// A baker's state between frames.
+pub(super) struct Frames {
+    settings: FrameSettings,
+    passes: Passes,
+    pub(super) world: World,
+    average: Average,
+    tiles: Vec<Tile>,
+    settling: Settling,
+    scheduler: FrameScheduler,
+    flight: Flight,
+    published: Published,
+    timer: Option<Timer>,
+    submitter: FrameSubmitter,
+    way: Option<Way>,
+    started: Instant,
+    engine_time_s: f64,
+    /// Direct light is out of date.
+    direct_due: bool,
+    /// Which source map is read.
+    source: usize,
+    /// Samples before those of the sweep under way, for the random numbers.
+    first_sample: u32,
+    quanta: u32,
+    sweeps: u64,
+    used: [bool; 3],
+    /// What writing changes takes.
+    update_s: f64,
+}
+
+struct Passes {
+    direct: Option<Direct>,
+    bake: Bake,
+    source: Source,
+    publish: Publish,
+}
+
+/// What is remembered of a tile.
+#[derive(Debug, Clone, Copy, Default)]
+struct Tile {
+    history: History,
+    visited_s: f64,
+}
+
+/// How the engine runs frames. One baker stays with one way.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Way {
+    Record,
+    Submit,
+}
+
+impl Frames {
+    pub(super) fn new(core: &mut Core, scene: &Scene, bvh: Bvh, settings: FrameSettings) -> Result<Self> {
+        settings.check()?;
+        let average = Average::new(settings.tolerable_latency, settings.decay_threshold)?;
+        let passes = Passes::new(core)?;
+        let [width, height] = core.maps.size;
+        let extent = Extent {
+            texels: core.texels.count,
+            lights: core.push.light_count,
+            block_rows: height.div_ceil(SQUARE_GROUP),
+            texels_per_block_row: width * SQUARE_GROUP,
+            fixed_quanta: settings.quanta,
+        };
+        let max_albedo = scene.materials().iter().map(|material| material.albedo.max_element()).fold(0.0, f32::max);
+        let latency_s = settings.tolerable_latency.as_secs_f64();
+        let latency_s = if settings.tolerable_latency == Duration::MAX { f64::INFINITY } else { latency_s };
+        let mut settling = Settling::new(latency_s, settings.decay_threshold, f64::from(max_albedo));
+        settling.changed(0.0, 0);
+        Ok(Self {
+            settings,
+            passes,
+            world: World::new(&core.gpu, scene, bvh, core.features)?,
+            average,
+            tiles: vec![Tile::default(); extent.tiles() as usize],
+            settling,
+            scheduler: FrameScheduler::new(extent),
+            flight: Flight::new(settings.frames_in_flight),
+            published: Published::new(core.maps.light_map.len()),
+            timer: Timer::new(&core.gpu, settings.frames_in_flight)?,
+            submitter: FrameSubmitter::new(&core.gpu, settings.frames_in_flight)?,
+            way: None,
+            started: Instant::now(),
+            engine_time_s: 0.0,
+            direct_due: core.features.contains(Features::LIGHTS),
+            source: 0,
+            first_sample: 0,
+            quanta: 0,
+            sweeps: 0,
+            used: [false; 3],
+            update_s: 0.0,
+        })
+    }
+
+    pub(super) fn record(&mut self, core: &mut Core, commands: FrameCommands, budget: Duration) -> Result<FrameReport> {
+        self.keep_to(Way::Record)?;
+        let (frame, row) = self.flight.begin();
+        match row {
+            Some(row) if !budget.is_zero() => self.fill(core, commands, frame, row, budget),
+            row => Ok(self.idle(frame, row.is_none())),
+        }
+    }
+
+    pub(super) fn submit(
+        &mut self,
+        core: &mut Core,
+        budget: Duration,
+        wait: &[TimelinePoint],
+        signal: &[TimelinePoint],
+    ) -> Result<FrameReport> {
+        self.keep_to(Way::Submit)?;
+        let (frame, row) = self.flight.begin();
+        match row {
+            Some(row) if !budget.is_zero() => {
+                let commands = self.submitter.begin(row as u32)?;
+                let report = self.fill(core, commands, frame, row, budget)?;
+                self.submitter.submit(Some(commands), wait, signal)?;
+                Ok(report)
+            }
+            row => {
+                // The engine waits for what is signalled, whether there was work or not.
+                self.submitter.submit(None, wait, signal)?;
+                Ok(self.idle(frame, row.is_none()))
+            }
+        }
+    }
+
+    fn keep_to(&mut self, way: Way) -> Result<()> {
+        if *self.way.get_or_insert(way) == way {
+            return Ok(());
+        }
+        Err(Error::settings("a baker's frames are either all recorded or all submitted; this one began the other way"))
+    }
+
+    fn idle(&self, frame: FrameId, held_up: bool) -> FrameReport {
+        FrameReport { frame, held_up, sweeps: self.sweeps, ..FrameReport::default() }
+    }
+
+    /// One frame's work.
+    fn fill(
+        &mut self,
+        core: &mut Core,
+        commands: FrameCommands,
+        frame: FrameId,
+        row: usize,
+        budget: Duration,
+    ) -> Result<FrameReport> {
+        let now_s = self.now_s();
+        let gpu = core.gpu.clone();
+        let mut recorder = Recorder::frame(&gpu, commands);
+        self.begin_timing(&recorder, row);
+        let overhead_s = if self.world.has_changed() { self.update_s } else { 0.0 };
+        let (changes, ran) = self.world.record(&mut recorder, &mut core.scene, frame, self.flight.completed)?;
+        self.note(changes, now_s);
+        self.mark(&recorder, row, 1);
+        let needs = Needs { direct: self.direct_due, publish: self.published.begin(self.flight.completed).is_some() };
+        let mut works = std::mem::take(&mut self.flight.row(row).works);
+        works.clear();
+        works.extend_from_slice(self.scheduler.plan(budget, needs, overhead_s));
+        let mut report = FrameReport { frame, ran, ..FrameReport::default() };
+        let mut first_use = [false; 3];
+        for (index, work) in works.iter().enumerate() {
+            report.predicted += Duration::from_secs_f64(self.scheduler.predicted(work));
+            first_use[work.stage as usize] |= !std::mem::replace(&mut self.used[work.stage as usize], true);
+            self.run(core, &mut recorder, work, now_s, &mut report);
+            self.mark(&recorder, row, index + 2);
+        }
+        report.dispatches = works.len() as u32;
+        self.finish_report(core, &mut report, now_s);
+        let row = self.flight.row(row);
+        (row.frame, row.works, row.first_use) = (Some(frame), works, first_use);
+        (row.updated, row.recorded_at) = (!changes.is_empty(), Instant::now());
+        Ok(report)
+    }
+
+    /// What follows from a change.
+    fn note(&mut self, changes: Changes, now_s: f64) {
+        if changes.is_empty() {
+            return;
+        }
+        self.settling.changed(now_s, self.sweeps);
+        self.direct_due |= self.passes.direct.is_some() && changes.intersects(Changes::PLACING | Changes::LIGHTS);
+    }
+
+    /// One dispatch of the plan.
+    fn run(&mut self, core: &Core, recorder: &mut Recorder<'_>, work: &Work, now_s: f64, report: &mut FrameReport) {
+        match work.stage {
+            Stage::Direct => {
+                if work.items.start == 0 {
+                    self.direct_due = false;
+                }
+                if let Some(direct) = &self.passes.direct {
+                    direct.record(recorder, &core.push, texels_of(core, &work.items));
+                }
+                report.ran |= Ran::DIRECT;
+            }
+            Stage::Gather => self.gather(core, recorder, work, now_s, report),
+            Stage::Publish => self.publish(core, recorder, work, report),
+        }
+    }
+
+    /// Rays of some tiles, and the outgoing radiance that follows: for the next sweep, whatever is left of this one.
+    fn gather(&mut self, core: &Core, recorder: &mut Recorder<'_>, work: &Work, now_s: f64, report: &mut FrameReport) {
+        if work.items.start == 0 {
+            self.first_sample = self.first_sample.wrapping_add(self.quanta * RAYS);
+            self.quanta = work.quanta;
+        }
+        let world = self.settling.world(now_s, self.sweeps);
+        let push = Push { strata_side: STRATA_SIDE, first_sample: self.first_sample, ..core.push };
+        let mut first = work.items.start;
+        let mut history = None;
+        // Tiles that were last visited together weigh their history alike, and go in one dispatch.
+        for item in work.items.clone() {
+            let tile = &mut self.tiles[item as usize];
+            let elapsed_s = now_s - tile.visited_s;
+            tile.visited_s = now_s;
+            let weight = tile.history.visit(&self.average, elapsed_s, work.quanta, world) as f32;
+            if let Some(history) = history.replace(weight).filter(|history| *history != weight) {
+                let texels = texels_of(core, &(first..item));
+                let push = Push { history, ..push };
+                self.passes.bake.record(recorder, &push, self.source, texels, 0..work.quanta);
+                first = item;
+            }
+        }
+        let texels = texels_of(core, &work.items);
+        let push = Push { history: history.unwrap_or_default(), ..push };
+        let last = texels_of(core, &(first..work.items.end));
+        self.passes.bake.record(recorder, &push, self.source, last, 0..work.quanta);
+        self.passes.source.record(recorder, &push, 1 - self.source, texels.clone());
+        report.rays += u64::from(texels.end - texels.start) * u64::from(RAYS * work.quanta);
+        report.ran |= Ran::BAKE | Ran::SOURCE;
+        if work.ends_stage {
+            self.source = 1 - self.source;
+            self.sweeps += 1;
+        }
+    }
+
+    fn publish(&mut self, core: &Core, recorder: &mut Recorder<'_>, work: &Work, report: &mut FrameReport) {
+        let Some(map) = self.published.begin(self.flight.completed) else { return };
+        let rows = work.items.start * SQUARE_GROUP..(work.items.end * SQUARE_GROUP).min(core.maps.size[1]);
+        self.passes.publish.record(recorder, &core.push, map, rows);
+        report.ran |= Ran::PUBLISH;
+        if work.ends_stage {
+            recorder.publish();
+            self.published.finish(report.frame, self.way == Some(Way::Record));
+        }
+    }
+
+    fn finish_report(&self, core: &mut Core, report: &mut FrameReport, now_s: f64) {
+        let texels = u64::from(core.texels.count);
+        report.samples_per_texel = report.rays as f64 / texels.max(1) as f64;
+        report.sweeps = self.sweeps;
+        report.decaying = self.settling.world(now_s, self.sweeps) == crate::temporal::World::Changing;
+        let unit = Work { stage: Stage::Gather, items: 0..1, quanta: 1, ends_stage: false };
+        if texels > 0 {
+            report.one_unit = Duration::from_secs_f64(self.scheduler.predicted(&unit));
+        }
+        core.statistics.rays += report.rays;
+        core.statistics.epochs = u32::try_from(self.sweeps).unwrap_or(u32::MAX);
+        core.statistics.samples_per_texel += report.samples_per_texel;
+    }
+
+    /// The newest finished light map's place and generation.
+    pub(super) fn light_map(&self) -> (usize, u64) {
+        self.published.current()
+    }
+
+    pub(super) fn set_time(&mut self, now: Duration) {
+        self.engine_time_s = now.as_secs_f64();
+    }
+
+    fn now_s(&self) -> f64 {
+        match self.settings.clock {
+            Clock::Wall => self.started.elapsed().as_secs_f64(),
+            Clock::Engine => self.engine_time_s,
+        }
+    }
+
+    pub(super) fn samples_per_texel(&self, core: &Core, budget: Duration) -> f64 {
+        let texels = u64::from(core.texels.count);
+        samples_per_texel(self.scheduler.rays_per_second(), budget.as_secs_f64(), texels)
+    }
+}
+
+fn texels_of(core: &Core, tiles: &Range<u32>) -> Range<u32> {
+    tiles.start * TILE..(tiles.end * TILE).min(core.texels.count)
+}
+
+impl Passes {
+    /// Finds the texels that gutters are filled from, and runs every pass once on nothing: drivers that compile at the
+    /// first use do so here, and not in a frame.
+    fn new(core: &mut Core) -> Result<Self> {
+        let context = Context { gpu: &core.gpu, constants: core.constants, scene: &core.scene, maps: &core.maps };
+        let (texels, push) = (&core.texels, &core.push);
+        let resolve = Resolve::new(context, texels)?;
+        let dilate = Dilate::new(context, &mut core.commands)?;
+        core.commands.run(|recorder| {
+            resolve.record(recorder, push, 0..texels.count);
+            dilate.record_search(recorder, push);
+            Ok(())
+        })?;
+        let nearest = dilate.into_nearest(push.map_size);
+        let lights = core.features.contains(Features::LIGHTS);
+        let passes = Self {
+            direct: lights.then(|| Direct::new(context, texels)).transpose()?,
+            bake: Bake::new(context, texels)?,
+            source: Source::new(context, texels)?,
+            publish: Publish::new(context, nearest)?,
+        };
+        let nothing = Push { map_size: [0, 0], strata_side: 1, ..*push };
+        core.commands.run(|recorder| {
+            if let Some(direct) = &passes.direct {
+                direct.record(recorder, &nothing, 0..0);
+            }
+            passes.bake.record(recorder, &nothing, 0, 0..0, 0..0);
+            passes.source.record(recorder, &nothing, 0, 0..0);
+            passes.publish.record(recorder, &nothing, 0, 0..1);
+            Ok(())
+        })?;
+        Ok(passes)
+    }
+}
