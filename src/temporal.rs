@@ -27,8 +27,10 @@ pub(crate) enum World {
 pub(crate) struct History {
     /// Never more than the tile has been given, whatever the pattern of visits.
     quanta: f64,
-    /// Sum of the decayed weights of all visits, of which a saturated average holds 1. `None`: to be taken from `quanta`.
-    mass: Option<f64>,
+    /// Sum of the decayed weights of all visits, of which a full average holds 1.
+    mass: f64,
+    /// Whether the last visit let old samples decay.
+    decaying: bool,
 }
 
 /// Bound of what a history weighs, so that f32 holds it; as good as infinite.
@@ -78,25 +80,30 @@ impl History {
     pub(crate) fn visit(&mut self, average: &Average, dt_s: f64, quanta: u32, world: World) -> f64 {
         let new = f64::from(quanta.max(1));
         let weight = average.weight(dt_s);
+        let mut mass = self.mass;
         let kept = if world == World::Still || weight == 0.0 {
-            if world == World::Still {
-                self.mass = None;
-            }
+            self.decaying &= world == World::Changing;
             self.quanta
         } else {
-            // A history longer than the latency holds is cut to that; without this 1e6 still samples never leave.
-            let mass = self.mass.unwrap_or_else(|| (self.quanta * weight / new).min(1.0));
-            let decayed = average.decay(dt_s) * mass;
-            self.mass = Some((decayed + weight).min(1.0));
-            (new * (decayed / weight)).min(MOST_WEIGHT_QUANTA)
+            if !self.decaying {
+                // A history longer than the latency holds is cut to that; without this 1e6 still samples never leave.
+                mass = mass.max((self.quanta * weight / new).min(1.0));
+            }
+            self.decaying = true;
+            (new * (average.decay(dt_s) * mass / weight)).min(MOST_WEIGHT_QUANTA)
         };
+        // An average that has been kept for longer than the latency is full, however few its samples. What went before the
+        // first visit does not count.
+        self.mass = if self.quanta == 0.0 { 0.0 } else { (average.decay(dt_s) * mass + weight).min(1.0) };
+        self.decaying &= self.quanta > 0.0;
         // A visit soon after another weighs little against the history, which does not make the history longer.
         self.quanta = (kept.min(self.quanta) + new).min(MOST_WEIGHT_QUANTA);
         kept
     }
 
     /// Quanta that the average is worth after the last visit.
-    pub(crate) fn quanta(&self) -> f64 {
+    #[cfg(test)]
+    fn quanta(&self) -> f64 {
         self.quanta
     }
 }
@@ -240,7 +247,8 @@ mod tests {
         let (mut whole, mut split) = (still(3), still(3));
         let kept = whole.visit(&average(LATENCY_S), 0.1, 4, World::Still);
         for k in 0..4 {
-            assert_eq!(split.visit(&average(LATENCY_S), 0.0, 1, World::Still), kept + f64::from(k));
+            let elapsed_s = if k == 0 { 0.1 } else { 0.0 };
+            assert_eq!(split.visit(&average(LATENCY_S), elapsed_s, 1, World::Still), kept + f64::from(k));
         }
         assert_eq!(whole, split);
     }

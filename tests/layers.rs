@@ -10,14 +10,14 @@ const LAYERS: [&[&str]; 8] = [
     &["error"],
     &["scene"],
     &["bvh"],
-    &["features", "epochs", "schedule"],
+    &["features", "epochs", "schedule", "temporal"],
     &["gpu"],
     &["pass"],
     &["baker", "tracer"],
     &["io", "headless"],
 ];
 /// Modules that know no Vulkan.
-const PURE: [&str; 5] = ["scene", "bvh", "features", "epochs", "schedule"];
+const PURE: [&str; 6] = ["scene", "bvh", "features", "epochs", "schedule", "temporal"];
 const RUST_LINES: usize = 400;
 const GLSL_LINES: usize = 200;
 

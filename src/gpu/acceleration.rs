@@ -177,7 +177,11 @@ fn record_build(
     let scope = recorder.pass(PassKind::Build, c"build structure");
     // SAFETY: structure, scratch and inputs outlive the command buffer's execution: the caller waits for it, or keeps them
     // until the frame is complete; what was recorded before waits at the pass's barrier.
-    unsafe { functions.cmd_build_acceleration_structures(recorder.commands(), &[info], &[&range]) };
+    // Not ash's wrapper, which allocates.
+    unsafe {
+        let build = functions.fp().cmd_build_acceleration_structures_khr;
+        build(recorder.commands(), 1, &info, &range.as_ptr());
+    }
     drop(scope);
     Ok(())
 }

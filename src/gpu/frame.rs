@@ -127,7 +127,9 @@ impl<'a> Recorder<'a> {
 
     /// Makes the light map visible to whatever the engine records next.
     pub(crate) fn publish(&mut self) {
-        let readers = vk::PipelineStageFlags2::ALL_GRAPHICS | vk::PipelineStageFlags2::COMPUTE_SHADER;
+        let readers = vk::PipelineStageFlags2::ALL_GRAPHICS
+            | vk::PipelineStageFlags2::COMPUTE_SHADER
+            | vk::PipelineStageFlags2::ALL_TRANSFER;
         self.barrier(readers, &[]);
     }
 }

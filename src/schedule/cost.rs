@@ -14,6 +14,9 @@ const FIXED_SPREAD_S: f64 = 200e-6;
 const NOISE: f64 = 0.1;
 /// A measurement this many times longer than predicted is a spike, against which the next frame is guarded at once.
 const SPIKE: f64 = 1.25;
+/// By how much of what is left of a spike each later measurement lets it go. Simulated with 8 seeds, a device that
+/// stays slow overshot a second time with 4 of them at .5, with none at .3.
+const CALM: f64 = 0.3;
 /// The fit takes a measurement for no longer than this many times the prediction: a single stall is not a trend.
 const LIMIT: f64 = 3.0;
 /// The part in proportion to the work is at least this share of the mean: a line through points of two paces must not
@@ -89,9 +92,9 @@ impl Cost {
         self.sums.forget(if surprised { KEEP_SURPRISED } else { KEEP });
         self.sums.add(x, seconds.min(limit));
         self.solve();
-        // Up at once, down by halves: later measurements have to agree that it is over.
+        // Up at once, down step by step: later measurements have to agree that it is over.
         let target = if longer > SPIKE { (seconds / self.fit(work)).max(1.0) } else { 1.0 };
-        self.spike = target.max(0.5 * (self.spike + target));
+        self.spike = target.max(self.spike + CALM * (target - self.spike));
     }
 
     /// Work is from now on counted in units this many times as large.
@@ -189,7 +192,7 @@ mod tests {
         let usual = cost.predicted(8192.0);
         cost.measured(8192.0, 10.0 * usual);
         assert!(cost.predicted(8192.0) >= 9.999 * usual);
-        for _ in 0..8 {
+        for _ in 0..16 {
             cost.measured(8192.0, usual);
         }
         assert!(cost.predicted(8192.0) < 1.15 * usual);
@@ -203,7 +206,7 @@ mod tests {
             cost.measured(8192.0, seconds);
             assert!(cost.predicted(8192.0) >= 0.75 * seconds, "the guard is held until the fit has followed");
         }
-        assert_eq!(cost.spike, 1.0);
+        assert!(cost.spike < 1.001, "{cost:?}");
     }
 
     #[test]

@@ -13,7 +13,7 @@ pub(crate) const TILE: u32 = 256;
 /// Rays that a texel traces in a quantum.
 const RAYS: f64 = 16.0;
 /// Share of the budget that is planned for. Simulated with 10 % of noise a dispatch and 10 % a measurement: the 95th
-/// percentile of the frames is 1.02 of the budget and one item at most, and at least .82 of the budget is used.
+/// percentile of the frames is 1.03 of the budget and one item at most, and at least .81 of the budget is used.
 const TARGET: f64 = 0.9;
 /// No dispatch is predicted to be longer, nor longer than half the budget: the engine's own work waits behind it.
 const MOST_DISPATCH_S: f64 = 4e-3;
@@ -23,8 +23,14 @@ const MOST_QUANTA: f64 = 64.0;
 const MOST_WAIT: u32 = 64;
 /// A frame's work of a stage is at most this many times that of the last frames.
 const GROWTH: f64 = 2.0;
+/// Sweeps of one quantum in a frame's time from which on whole sweeps fill it well enough: of fewer a tenth is lost.
+const IN_STEP: f64 = 12.0;
+/// Share of the time that whole sweeps may be expected to take: one that does not fit leaves the next frame a rest.
+const STEP_SLACK: f64 = 0.95;
 /// Gathering gets at least this share of a cycle when its quanta are chosen.
 const LEAST_GATHER: f64 = 0.5;
+/// Dispatches of a plan for which there is memory from the start.
+const USUAL_WORKS: usize = 64;
 /// A cautious guess before anything is measured: 1 Mray/s, and a texel published in the time of a ray.
 const GUESS_S: f64 = 1e-6;
 
@@ -103,6 +109,12 @@ impl StageState {
     }
 }
 
+/// Whole sweeps with which a frame that has time for many is filled: each frame then shows what it has gathered itself.
+/// `None`: sweeps go on over the frames' borders, and a map may be a frame old.
+fn in_step(sweeps: f64) -> Option<f64> {
+    (sweeps >= IN_STEP).then_some((STEP_SLACK * sweeps).floor())
+}
+
 /// What the plan that is being made holds, by stage.
 #[derive(Debug, Default)]
 struct Round {
@@ -124,6 +136,8 @@ pub(crate) struct FrameScheduler {
     /// Time that earlier frames left, less than an item takes.
     credit_s: f64,
     waited_frames: u32,
+    /// The last plan began with a sweep instead of a map.
+    publish_put_off: bool,
     /// A map without texels has been published.
     empty_published: bool,
     works: Vec<Work>,
@@ -144,9 +158,10 @@ impl FrameScheduler {
             quanta: 1,
             credit_s: 0.0,
             waited_frames: 0,
+            publish_put_off: false,
             empty_published: false,
-            works: Vec::new(),
-            shares_s: Vec::new(),
+            works: Vec::with_capacity(USUAL_WORKS),
+            shares_s: Vec::with_capacity(USUAL_WORKS),
         }
     }
 
@@ -161,18 +176,35 @@ impl FrameScheduler {
         let most_s = MOST_DISPATCH_S.min(0.5 * budget_s);
         self.credit_s += target_s;
         let mut round = Round::default();
+        self.fall_in_step(target_s, most_s, needs);
         let goes_on = loop {
             if !self.enter(needs, &round) {
                 break false;
             }
             if self.stage == Stage::Gather && self.next == 0 {
-                self.quanta = self.choose_quanta(target_s, most_s, needs);
+                let sweeps = self.sweeps_of_a_frame(target_s, most_s, needs);
+                // A sweep has ended in this plan: the next one waits for the next frame, if it then fits into that.
+                if round.items[Stage::Gather as usize] > 0 && in_step(sweeps).is_some() {
+                    break false;
+                }
+                self.quanta = self.choose_quanta(sweeps, most_s);
             }
             let Some(work) = self.cut(most_s, &round) else { break true };
             self.take(work, &mut round);
         };
         self.end_plan(goes_on, &round);
         &self.works
+    }
+
+    /// A map that would be published before a sweep which this frame has time for is published after it. Once only: where
+    /// the sweep takes longer after all, the map comes first.
+    fn fall_in_step(&mut self, target_s: f64, most_s: f64, needs: Needs) {
+        let late = self.stage == Stage::Publish && self.next == 0;
+        let skip = late && !self.publish_put_off && in_step(self.sweeps_of_a_frame(target_s, most_s, needs)).is_some();
+        if skip {
+            self.leave();
+        }
+        self.publish_put_off = skip;
     }
 
     /// Goes on to the next stage that has work. False: the plan has been once around, or there is nothing to do.
@@ -212,18 +244,25 @@ impl FrameScheduler {
         };
     }
 
-    /// Quanta with which a sweep fills what a frame has left beside the other stages.
-    fn choose_quanta(&self, target_s: f64, most_s: f64, needs: Needs) -> u32 {
-        if let Some(quanta) = self.extent.fixed_quanta {
-            return quanta.max(1);
-        }
+    /// Sweeps of one quantum, or as many as are wanted, that a frame has time for beside the other stages.
+    fn sweeps_of_a_frame(&self, target_s: f64, most_s: f64, needs: Needs) -> f64 {
         let direct_s = if needs.direct { self.stage_s(Stage::Direct, most_s) } else { 0.0 };
         let publish_s = if needs.publish { self.stage_s(Stage::Publish, most_s) } else { 0.0 };
         let available_s = (target_s - direct_s - publish_s).max(LEAST_GATHER * target_s);
+        let cost = &self.stages[Stage::Gather as usize].cost;
+        let sweep_s = RAYS * f64::from(self.extent.texels) * cost.per_work_s();
+        let quanta = f64::from(self.extent.fixed_quanta.unwrap_or(1));
+        (available_s - (available_s / most_s).ceil() * cost.fixed_s()).max(0.0) / (sweep_s * quanta)
+    }
+
+    /// Quanta with which a sweep fills a frame.
+    fn choose_quanta(&self, sweeps: f64, most_s: f64) -> u32 {
+        if let Some(quanta) = self.extent.fixed_quanta {
+            return quanta.max(1);
+        }
+        let wanted = in_step(sweeps).unwrap_or(sweeps.ceil());
         let gather = &self.stages[Stage::Gather as usize];
         let (fixed_s, per_work_s) = (gather.cost.fixed_s(), gather.cost.per_work_s());
-        let sweep_s = RAYS * f64::from(self.extent.texels) * per_work_s;
-        let wanted = ((available_s - (available_s / most_s).ceil() * fixed_s) / sweep_s).ceil();
         // A tile is not cut: it has to fit into a dispatch, and into what a frame may grow to.
         let tile_work = RAYS * f64::from(self.tiles.texels(0));
         let fitting = ((most_s - fixed_s) / (tile_work * self.tiles.largest() * per_work_s)).floor();
@@ -357,12 +396,6 @@ impl FrameScheduler {
     /// Rays a second of gathering, as far as is known.
     pub(crate) fn rays_per_second(&self) -> f64 {
         1.0 / self.stages[Stage::Gather as usize].cost.per_work_s()
-    }
-
-    /// Rays that one dispatch within a budget gathers.
-    pub(crate) fn rays_for(&self, budget: Duration) -> f64 {
-        let available_s = TARGET * budget.as_secs_f64() - self.stages[Stage::Gather as usize].cost.fixed_s();
-        available_s.max(0.0) * self.rays_per_second()
     }
 }
 

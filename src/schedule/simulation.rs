@@ -165,9 +165,10 @@ fn cases() -> Vec<(f64, f64, u32)> {
 fn a_spike_is_answered_at_once_and_forgotten() {
     let mut longest = 0.0_f64;
     for (budget_ms, rays_per_s, tiles) in cases().into_iter().filter(|(_, rate, tiles)| *rate > 10e6 && *tiles > 100) {
-        for (late, slow_frames) in [(0, 1), (2, 1), (0, 40), (2, 40)] {
+        for (late, slow_frames, seed) in (0..32).map(|k| ([0, 2][k % 2], [1, 40][k / 2 % 2], k as u64 / 4 + 1)) {
             let budget_s = 1e-3 * budget_ms;
-            let mut device = Device { late, ..Device::new(extent(tiles), rays_per_s) };
+            let random = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15);
+            let mut device = Device { late, random, ..Device::new(extent(tiles), rays_per_s) };
             let mut scheduler = FrameScheduler::new(device.extent);
             let mut frames = |device: &mut Device, slowdown, count| -> Vec<_> {
                 device.slowdown = slowdown;
@@ -257,14 +258,12 @@ fn broken_times_leave_the_predictions_alone() {
 
 #[test]
 fn rays_are_those_of_the_device() {
-    let mut device = Device::new(extent(512), 100e6);
+    let mut device = Device { noise: 0.03, ..Device::new(extent(512), 100e6) };
     let mut scheduler = FrameScheduler::new(device.extent);
     for _ in 0..200 {
         device.frame(&mut scheduler, 8e-3, GATHER_ONLY);
     }
     assert!((scheduler.rays_per_second() / 100e6 - 1.0).abs() < 0.15, "{}", scheduler.rays_per_second());
-    assert!((scheduler.rays_for(Duration::from_millis(10)) / 0.9e6 - 1.0).abs() < 0.15);
-    assert_eq!(scheduler.rays_for(Duration::ZERO), 0.0);
     assert!((samples_per_texel(262.144e6, 0.032, 512 * 512) - 32.0).abs() < 1e-9);
     assert_eq!(samples_per_texel(1e6, 1.0, 0), 0.0);
 }

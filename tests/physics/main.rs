@@ -13,5 +13,6 @@ mod instances;
 mod lights;
 mod placing;
 mod sky;
+#[path = "../common/stage.rs"]
 mod stage;
 mod surfaces;

@@ -1,6 +1,7 @@
 //! Frames under way: what each was given to do, until it is reported complete.
 
 use super::report::FrameId;
+use crate::gpu::MARKS;
 use crate::schedule::Work;
 use std::time::Instant;
 
@@ -31,7 +32,7 @@ impl Flight {
     pub(super) fn new(rows: u32) -> Self {
         let row = |_| Row {
             frame: None,
-            works: Vec::new(),
+            works: Vec::with_capacity(MARKS),
             first_use: [false; 3],
             updated: false,
             recorded_at: Instant::now(),

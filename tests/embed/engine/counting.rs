@@ -1,0 +1,143 @@
+//! Counts what the library does within frames: host allocations, and the Vulkan calls that wait or make something. The
+//! library gets its functions through the engine's get-instance-proc-addr, so the engine can look on.
+
+use ash::vk;
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+use std::ffi::{CStr, c_char};
+use std::sync::OnceLock;
+
+/// Counts of this thread, while it is in a frame's call of the library.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(crate) struct Counts {
+    /// Allocations on the host's heap.
+    pub(crate) heap: usize,
+    /// Vulkan calls that wait for the device.
+    pub(crate) waits: usize,
+    /// Vulkan calls that allocate memory or create an object.
+    pub(crate) objects: usize,
+}
+
+thread_local! {
+    static IN_FRAME: Cell<bool> = const { Cell::new(false) };
+    static COUNTS: Cell<Counts> = const { Cell::new(Counts { heap: 0, waits: 0, objects: 0 }) };
+}
+
+/// Counts since the last call.
+pub(crate) fn take() -> Counts {
+    COUNTS.take()
+}
+
+/// A call of the library within a frame.
+pub(crate) fn frame<T>(call: impl FnOnce() -> T) -> T {
+    IN_FRAME.set(true);
+    let result = call();
+    IN_FRAME.set(false);
+    result
+}
+
+fn count(add: impl FnOnce(&mut Counts)) {
+    if IN_FRAME.get() {
+        let mut counts = COUNTS.get();
+        add(&mut counts);
+        COUNTS.set(counts);
+    }
+}
+
+struct CountingAllocator;
+
+// SAFETY: the system's allocator does the work; counting allocates nothing.
+unsafe impl GlobalAlloc for CountingAllocator {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        count(|counts| counts.heap += 1);
+        // SAFETY: as the caller has it.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: as the caller has it.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+
+    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        count(|counts| counts.heap += 1);
+        // SAFETY: as the caller has it.
+        unsafe { System.realloc(pointer, layout, size) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: CountingAllocator = CountingAllocator;
+
+static GET_INSTANCE: OnceLock<vk::PFN_vkGetInstanceProcAddr> = OnceLock::new();
+static GET_DEVICE: OnceLock<vk::PFN_vkGetDeviceProcAddr> = OnceLock::new();
+
+/// The loader's, but for what is counted.
+pub(crate) fn get_instance_proc_addr(entry: &ash::Entry) -> vk::PFN_vkGetInstanceProcAddr {
+    GET_INSTANCE.get_or_init(|| entry.static_fn().get_instance_proc_addr);
+    instance_function
+}
+
+unsafe extern "system" fn instance_function(instance: vk::Instance, name: *const c_char) -> vk::PFN_vkVoidFunction {
+    // SAFETY: the loader's own function, called as we are called.
+    let function = unsafe { GET_INSTANCE.get().unwrap()(instance, name) };
+    // SAFETY: a NUL-terminated name.
+    if unsafe { CStr::from_ptr(name) } != c"vkGetDeviceProcAddr" {
+        return function;
+    }
+    // SAFETY: the name tells the type.
+    GET_DEVICE.get_or_init(|| unsafe { std::mem::transmute(function) });
+    let counted: vk::PFN_vkGetDeviceProcAddr = device_function;
+    // SAFETY: all functions of Vulkan are handed over as this type.
+    unsafe { std::mem::transmute(counted) }
+}
+
+/// For each counted function: where the driver's own is kept, and one that counts and calls it.
+macro_rules! counted {
+    ($($name:literal $module:ident $type:ident $counter:ident ($($argument:ident: $kind:ty),*) -> $result:ty;)+) => {
+        $(mod $module {
+            use super::*;
+            pub(super) static ORIGINAL: OnceLock<vk::$type> = OnceLock::new();
+            pub(super) unsafe extern "system" fn counted($($argument: $kind),*) -> $result {
+                count(|counts| counts.$counter += 1);
+                // SAFETY: the driver's own function, called as we are called.
+                unsafe { ORIGINAL.get().unwrap()($($argument),*) }
+            }
+        })+
+
+        unsafe extern "system" fn device_function(device: vk::Device, name: *const c_char) -> vk::PFN_vkVoidFunction {
+            // SAFETY: the loader's own function, called as we are called.
+            let function = unsafe { GET_DEVICE.get().unwrap()(device, name) };
+            // SAFETY: a NUL-terminated name.
+            let name = unsafe { CStr::from_ptr(name) };
+            $(if name == $name && function.is_some() {
+                // SAFETY: the name tells the type.
+                $module::ORIGINAL.get_or_init(|| unsafe { std::mem::transmute(function) });
+                // SAFETY: all functions of Vulkan are handed over as this type.
+                return unsafe { std::mem::transmute::<*const (), vk::PFN_vkVoidFunction>($module::counted as *const ()) };
+            })+
+            function
+        }
+    };
+}
+
+type Allocator = vk::AllocationCallbacks<'static>;
+
+counted! {
+    c"vkDeviceWaitIdle" device_wait PFN_vkDeviceWaitIdle waits (device: vk::Device) -> vk::Result;
+    c"vkQueueWaitIdle" queue_wait PFN_vkQueueWaitIdle waits (queue: vk::Queue) -> vk::Result;
+    c"vkWaitForFences" fence_wait PFN_vkWaitForFences waits
+        (device: vk::Device, count: u32, fences: *const vk::Fence, all: vk::Bool32, timeout: u64) -> vk::Result;
+    c"vkWaitSemaphores" semaphore_wait PFN_vkWaitSemaphores waits
+        (device: vk::Device, info: *const vk::SemaphoreWaitInfo<'_>, timeout: u64) -> vk::Result;
+    c"vkAllocateMemory" memory PFN_vkAllocateMemory objects
+        (device: vk::Device, info: *const vk::MemoryAllocateInfo<'_>, a: *const Allocator, out: *mut vk::DeviceMemory) -> vk::Result;
+    c"vkCreateBuffer" buffer PFN_vkCreateBuffer objects
+        (device: vk::Device, info: *const vk::BufferCreateInfo<'_>, a: *const Allocator, out: *mut vk::Buffer) -> vk::Result;
+    c"vkCreateImage" image PFN_vkCreateImage objects
+        (device: vk::Device, info: *const vk::ImageCreateInfo<'_>, a: *const Allocator, out: *mut vk::Image) -> vk::Result;
+    c"vkCreateDescriptorPool" descriptors PFN_vkCreateDescriptorPool objects
+        (device: vk::Device, info: *const vk::DescriptorPoolCreateInfo<'_>, a: *const Allocator, out: *mut vk::DescriptorPool) -> vk::Result;
+    c"vkAllocateCommandBuffers" commands PFN_vkAllocateCommandBuffers objects
+        (device: vk::Device, info: *const vk::CommandBufferAllocateInfo<'_>, out: *mut vk::CommandBuffer) -> vk::Result;
+}
