@@ -13,6 +13,8 @@ const MANIFEST: &str = "glsl/spirv/manifest.txt";
 const COMMAND: &str = "cargo build --release --features compile-shaders";
 /// A stage that includes this traces rays, and compiles a second time for the hardware back end.
 const TRACING: [&str; 2] = ["include/rays.glsl", "include/ray_query.glsl"];
+/// The stages of the frame benchmark, which the library knows nothing of.
+const BENCHMARK: [&str; 3] = ["glsl/shadow.vert", "glsl/view.frag", "glsl/view.vert"];
 
 fn main() -> Result<()> {
     println!("cargo::rerun-if-changed=glsl");
@@ -20,7 +22,8 @@ fn main() -> Result<()> {
     #[cfg(feature = "compile-shaders")]
     compile::all(&sources)?;
     check(&sources)?;
-    embed(&sources)
+    embed(&sources)?;
+    embed_benchmark()
 }
 
 /// Path (with forward slashes) to text, of every GLSL file.
@@ -74,13 +77,9 @@ fn check(sources: &BTreeMap<String, String>) -> Result<()> {
 
 /// Writes the table of shaders that `src/gpu/shader.rs` includes.
 fn embed(sources: &BTreeMap<String, String>) -> Result<()> {
-    // Relative to wherever the crate is compiled: a build folder may serve more than one clone.
-    let include = |source: &str, hardware| {
-        let path = format!("/{}", module_path(source, hardware).display());
-        format!("include_bytes!(concat!(env!(\"CARGO_MANIFEST_DIR\"), {path:?}))")
-    };
     let mut table = String::new();
-    for (source, text) in sources.iter().filter(|(path, _)| is_stage(path)) {
+    let of_library = |path: &str| is_stage(path) && !BENCHMARK.contains(&path);
+    for (source, text) in sources.iter().filter(|(path, _)| of_library(path)) {
         let name = source.trim_start_matches("glsl/");
         let constant = name.trim_end_matches(".comp").to_uppercase().replace('.', "_");
         let hardware = if TRACING.iter().any(|header| text.contains(header)) {
@@ -97,6 +96,24 @@ fn embed(sources: &BTreeMap<String, String>) -> Result<()> {
     }
     fs::write(Path::new(&env::var("OUT_DIR")?).join("shaders.rs"), table)?;
     Ok(())
+}
+
+/// Writes the table of shaders that `src/bin/frame_bench/engine/pipeline.rs` includes.
+fn embed_benchmark() -> Result<()> {
+    let mut table = String::new();
+    for source in BENCHMARK {
+        let constant = source.trim_start_matches("glsl/").to_uppercase().replace('.', "_");
+        writeln!(table, "/// `{source}`.\npub(super) static {constant}: &[u8] = {};", include(source, false))?;
+    }
+    fs::write(Path::new(&env::var("OUT_DIR")?).join("frame_bench_shaders.rs"), table)?;
+    Ok(())
+}
+
+/// An expression that is a module's bytes. Relative to wherever the crate is compiled: a build folder may serve more
+/// than one clone.
+fn include(source: &str, hardware: bool) -> String {
+    let path = format!("/{}", module_path(source, hardware).display());
+    format!("include_bytes!(concat!(env!(\"CARGO_MANIFEST_DIR\"), {path:?}))")
 }
 
 #[cfg(feature = "compile-shaders")]

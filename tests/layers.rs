@@ -125,14 +125,45 @@ fn pure_modules_know_no_vulkan() {
     }
 }
 
+/// The benchmark's engine: a foreign one, as far as the library can tell.
+const ENGINE: &str = "src/bin/frame_bench/engine";
+
 #[test]
-fn unsafe_code_is_in_the_vulkan_layer_only() {
+fn unsafe_code_is_in_the_vulkan_layer_and_the_benchmarks_engine_only() {
     for path in files("src", &["rs"]).into_iter().chain(files("tests", &["rs"])).chain([root().join("build.rs")]) {
         // This file has the word in a string.
-        if path.starts_with(root().join("src/gpu")) || path == root().join(file!()) {
+        let allowed = ["src/gpu", ENGINE].iter().any(|folder| path.starts_with(root().join(folder)));
+        if allowed || path == root().join(file!()) {
             continue;
         }
         assert!(!words(&code(&path)).contains("unsafe"), "{} has unsafe code", path.display());
+    }
+}
+
+#[test]
+fn the_benchmark_calls_vulkan_in_its_engine_only() {
+    for path in files("src/bin", &["rs"]) {
+        if !path.starts_with(root().join(ENGINE)) {
+            let code = code(&path);
+            let vulkan: Vec<_> = words(&code).intersection(&BTreeSet::from(["ash", "vk"])).copied().collect();
+            assert_eq!(vulkan, Vec::<&str>::new(), "{}", path.display());
+        }
+    }
+}
+
+/// The compiler keeps binaries from what is private to the library, unless they take in its files.
+#[test]
+fn binaries_take_in_no_files_of_the_library() {
+    let shaders = "include!(concat!(env!(\"OUT_DIR\"), \"/frame_bench_shaders.rs\"));";
+    let binaries = fs::canonicalize(root().join("src/bin")).unwrap();
+    for path in files("src/bin", &["rs"]) {
+        let code = code(&path).replace(shaders, "");
+        assert!(!code.contains("include!("), "{} includes a file", path.display());
+        for (place, attribute) in code.match_indices("#[path = \"") {
+            let other = code[place + attribute.len()..].split('"').next().unwrap();
+            let other = fs::canonicalize(path.parent().unwrap().join(other)).unwrap();
+            assert!(other.starts_with(&binaries), "{} takes in {}", path.display(), other.display());
+        }
     }
 }
 
