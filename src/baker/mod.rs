@@ -127,7 +127,7 @@ struct Core {
 }
 
 enum Running {
-    Still(Still),
+    Still(Box<Still>),
     Frames(Box<Frames>),
 }
 

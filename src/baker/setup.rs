@@ -40,7 +40,7 @@ impl Baker {
 
         let started = Instant::now();
         let running = match settings.mode {
-            Mode::Still => Running::Still(Still::new(&mut core, settings.bounces, settings.slice)?),
+            Mode::Still => Running::Still(Box::new(Still::new(&mut core, settings.bounces, settings.slice)?)),
             Mode::Frames(frames) => Running::Frames(Box::new(Frames::new(&mut core, scene, bvh, frames)?)),
         };
         core.statistics.seconds.compile += started.elapsed().as_secs_f64();

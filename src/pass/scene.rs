@@ -31,7 +31,7 @@ pub(crate) struct DeviceScene {
 /// What rays are traced in.
 enum Hierarchy {
     Software(Buffer),
-    Hardware(SceneStructure),
+    Hardware(Box<SceneStructure>),
 }
 
 impl DeviceScene {
@@ -51,7 +51,7 @@ impl DeviceScene {
         let triangles = upload(commands, "triangles", triangle_usage, &bvh.triangles)?;
         let hierarchy = match gpu.backend() {
             Backend::Software => Hierarchy::Software(upload_nodes(commands, bvh)?),
-            Backend::RayQuery => Hierarchy::Hardware(SceneStructure::new(gpu, commands, bvh, &triangles)?),
+            Backend::RayQuery => Hierarchy::Hardware(Box::new(SceneStructure::new(gpu, commands, bvh, &triangles)?)),
         };
         // One that is dark now may shine later.
         let matters = |light: &&Light| features.contains(Features::DYNAMIC) || light.intensity != Vec3::ZERO;

@@ -5,7 +5,7 @@ use ash::vk;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::ffi::{CStr, c_char};
-use std::sync::OnceLock;
+use std::sync::atomic::{AtomicPtr, Ordering::Relaxed};
 
 /// Counts of this thread, while it is in a frame's call of the library.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -16,11 +16,13 @@ pub(crate) struct Counts {
     pub(crate) waits: usize,
     /// Vulkan calls that allocate memory or create an object.
     pub(crate) objects: usize,
+    /// Drawings, of which a g-buffer would be one.
+    pub(crate) draws: usize,
 }
 
 thread_local! {
     static IN_FRAME: Cell<bool> = const { Cell::new(false) };
-    static COUNTS: Cell<Counts> = const { Cell::new(Counts { heap: 0, waits: 0, objects: 0 }) };
+    static COUNTS: Cell<Counts> = const { Cell::new(Counts { heap: 0, waits: 0, objects: 0, draws: 0 }) };
 }
 
 /// Counts since the last call.
@@ -69,24 +71,26 @@ unsafe impl GlobalAlloc for CountingAllocator {
 #[global_allocator]
 static ALLOCATOR: CountingAllocator = CountingAllocator;
 
-static GET_INSTANCE: OnceLock<vk::PFN_vkGetInstanceProcAddr> = OnceLock::new();
-static GET_DEVICE: OnceLock<vk::PFN_vkGetDeviceProcAddr> = OnceLock::new();
+// Kept anew with every device: layers are unloaded with the last instance, and loaded elsewhere.
+static GET_INSTANCE: AtomicPtr<()> = AtomicPtr::new(std::ptr::null_mut());
+static GET_DEVICE: AtomicPtr<()> = AtomicPtr::new(std::ptr::null_mut());
 
 /// The loader's, but for what is counted.
 pub(crate) fn get_instance_proc_addr(entry: &ash::Entry) -> vk::PFN_vkGetInstanceProcAddr {
-    GET_INSTANCE.get_or_init(|| entry.static_fn().get_instance_proc_addr);
+    GET_INSTANCE.store(entry.static_fn().get_instance_proc_addr as *mut (), Relaxed);
     instance_function
 }
 
 unsafe extern "system" fn instance_function(instance: vk::Instance, name: *const c_char) -> vk::PFN_vkVoidFunction {
     // SAFETY: the loader's own function, called as we are called.
-    let function = unsafe { GET_INSTANCE.get().unwrap()(instance, name) };
+    let function = unsafe {
+        std::mem::transmute::<*mut (), vk::PFN_vkGetInstanceProcAddr>(GET_INSTANCE.load(Relaxed))(instance, name)
+    };
     // SAFETY: a NUL-terminated name.
     if unsafe { CStr::from_ptr(name) } != c"vkGetDeviceProcAddr" {
         return function;
     }
-    // SAFETY: the name tells the type.
-    GET_DEVICE.get_or_init(|| unsafe { std::mem::transmute(function) });
+    GET_DEVICE.store(function.map_or(std::ptr::null_mut(), |function| function as *mut ()), Relaxed);
     let counted: vk::PFN_vkGetDeviceProcAddr = device_function;
     // SAFETY: all functions of Vulkan are handed over as this type.
     unsafe { std::mem::transmute(counted) }
@@ -97,22 +101,23 @@ macro_rules! counted {
     ($($name:literal $module:ident $type:ident $counter:ident ($($argument:ident: $kind:ty),*) -> $result:ty;)+) => {
         $(mod $module {
             use super::*;
-            pub(super) static ORIGINAL: OnceLock<vk::$type> = OnceLock::new();
+            pub(super) static ORIGINAL: AtomicPtr<()> = AtomicPtr::new(std::ptr::null_mut());
             pub(super) unsafe extern "system" fn counted($($argument: $kind),*) -> $result {
                 count(|counts| counts.$counter += 1);
                 // SAFETY: the driver's own function, called as we are called.
-                unsafe { ORIGINAL.get().unwrap()($($argument),*) }
+                unsafe { std::mem::transmute::<*mut (), vk::$type>(ORIGINAL.load(Relaxed))($($argument),*) }
             }
         })+
 
         unsafe extern "system" fn device_function(device: vk::Device, name: *const c_char) -> vk::PFN_vkVoidFunction {
             // SAFETY: the loader's own function, called as we are called.
-            let function = unsafe { GET_DEVICE.get().unwrap()(device, name) };
+            let function = unsafe {
+                std::mem::transmute::<*mut (), vk::PFN_vkGetDeviceProcAddr>(GET_DEVICE.load(Relaxed))(device, name)
+            };
             // SAFETY: a NUL-terminated name.
             let name = unsafe { CStr::from_ptr(name) };
-            $(if name == $name && function.is_some() {
-                // SAFETY: the name tells the type.
-                $module::ORIGINAL.get_or_init(|| unsafe { std::mem::transmute(function) });
+            $(if let Some(original) = function.filter(|_| name == $name) {
+                $module::ORIGINAL.store(original as *mut (), Relaxed);
                 // SAFETY: all functions of Vulkan are handed over as this type.
                 return unsafe { std::mem::transmute::<*const (), vk::PFN_vkVoidFunction>($module::counted as *const ()) };
             })+
@@ -130,6 +135,8 @@ counted! {
         (device: vk::Device, count: u32, fences: *const vk::Fence, all: vk::Bool32, timeout: u64) -> vk::Result;
     c"vkWaitSemaphores" semaphore_wait PFN_vkWaitSemaphores waits
         (device: vk::Device, info: *const vk::SemaphoreWaitInfo<'_>, timeout: u64) -> vk::Result;
+    c"vkCmdBeginRendering" draw PFN_vkCmdBeginRendering draws
+        (commands: vk::CommandBuffer, info: *const vk::RenderingInfo<'_>) -> ();
     c"vkAllocateMemory" memory PFN_vkAllocateMemory objects
         (device: vk::Device, info: *const vk::MemoryAllocateInfo<'_>, a: *const Allocator, out: *mut vk::DeviceMemory) -> vk::Result;
     c"vkCreateBuffer" buffer PFN_vkCreateBuffer objects
