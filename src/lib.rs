@@ -1,5 +1,6 @@
 //! lightoven bakes light maps with Vulkan: stochastic rays from every texel of a light map, traced in compute shaders,
-//! progressively refined.
+//! progressively refined: at a stretch, or within an engine's frames while objects and lights move
+//! ([`baker::Mode::Frames`]).
 //!
 //! A scene is read or described, a [`baker::Baker`] made for it, and baked until it is good enough:
 //!
@@ -41,6 +42,11 @@ pub mod scene;
 mod schedule;
 mod temporal;
 mod tracer;
+
+/// Compiles the examples of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
 
 pub use error::{Error, ErrorKind, Result};
 pub use features::Features;

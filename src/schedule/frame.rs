@@ -365,6 +365,11 @@ impl FrameScheduler {
         self.stages[work.stage as usize].cost.predicted(self.weighted_work(work))
     }
 
+    /// Seconds that one item of gathering, one quantum each, takes on average: the least that is dispatched.
+    pub(crate) fn unit_s(&self) -> f64 {
+        self.stages[Stage::Gather as usize].cost.predicted(f64::from(TILE) * RAYS)
+    }
+
     /// What a dispatch took. The first use of a pipeline is ignored: it may hold the compilation.
     pub(crate) fn measured(&mut self, work: &Work, seconds: f64, first_use: bool) {
         if first_use {

@@ -286,10 +286,7 @@ impl Frames {
         report.samples_per_texel = report.rays as f64 / texels.max(1) as f64;
         report.sweeps = self.sweeps;
         report.decaying = self.settling.world(now_s, self.sweeps) == crate::temporal::World::Changing;
-        let unit = Work { stage: Stage::Gather, items: 0..1, quanta: 1, ends_stage: false };
-        if texels > 0 {
-            report.one_unit = Duration::from_secs_f64(self.scheduler.predicted(&unit));
-        }
+        report.one_unit = Duration::from_secs_f64(self.scheduler.unit_s());
         core.statistics.rays += report.rays;
         core.statistics.epochs = u32::try_from(self.sweeps).unwrap_or(u32::MAX);
         core.statistics.samples_per_texel += report.samples_per_texel;
