@@ -8,7 +8,7 @@ use lightoven::scene::{Resolution, Scene};
 use std::time::Duration;
 
 /// More than any sweep here takes.
-pub(crate) const AMPLE: Duration = Duration::from_secs(5);
+pub(crate) const AMPLE: Duration = Duration::from_secs(100);
 
 pub(crate) struct Live {
     pub(crate) engine: Engine,
