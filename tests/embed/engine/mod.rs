@@ -3,6 +3,7 @@
 
 pub(crate) mod counting;
 pub(crate) mod draw;
+mod in_flight;
 
 use ash::{ext, vk};
 use draw::Draw;
