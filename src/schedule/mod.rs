@@ -1,7 +1,7 @@
 //! Cuts work into pieces of a wanted length. Pure: timings come in, pieces of work go out.
 //!
 //! - [`sweep`]: submissions of a static bake;
-//! - [`frame`]: dispatches within the budget of a frame, by the predictions of [`cost`] and [`tile_cost`].
+//! - [`frame`]: dispatches within the budget of a frame, [`work`], by the predictions of [`cost`] and [`tile_cost`].
 
 mod cost;
 mod frame;
@@ -9,7 +9,9 @@ mod frame;
 mod simulation;
 mod sweep;
 mod tile_cost;
+mod work;
 
-pub(crate) use frame::{Extent, FrameScheduler, Needs, Stage, TILE, Work, samples_per_texel};
+pub(crate) use frame::{FrameScheduler, TILE, samples_per_texel};
 pub use sweep::Slice;
 pub(crate) use sweep::{GROUP, Pace, Sweep, Unit};
+pub(crate) use work::{Extent, Needs, Stage, Work};

@@ -1,6 +1,7 @@
 //! The frame scheduler against a simulated device.
 
-use super::frame::{Extent, FrameScheduler, Needs, Stage, TILE, Work, samples_per_texel};
+use super::frame::{FrameScheduler, TILE, samples_per_texel};
+use super::work::{Extent, Needs, Stage, Work};
 use proptest::prelude::*;
 use std::collections::VecDeque;
 use std::ops::Range;
