@@ -97,15 +97,17 @@ void gather_halves(Surface s, mat3 frame, vec4 sides, ivec2 texel, uint key) {
 // Dynamic: the running average (src/temporal.rs), and beside it what this visit alone has gathered.
 void gather_average(Surface s, mat3 frame, vec4 sides, ivec2 texel, uint key) {
     vec4 average = push.history > 0.0 ? imageLoad(mean_even, texel) : vec4(0.0);
+    // A texel whose instance was absent has none, whatever its tile has.
+    float history = average.w > 0.0 ? push.history : 0.0;
     vec4 visit = vec4(0.0);
     for (uint i = 0u; i < push.quantum_count; ++i) {
         vec3 quantum_mean = gather(s, frame, sides, key, push.first_quantum + i);
         // What is no number would stay in the average for good.
         if (any(isnan(quantum_mean)) || any(isinf(quantum_mean))) quantum_mean = average.rgb;
-        average.rgb += (quantum_mean - average.rgb) / (push.history + float(i + 1u));
+        average.rgb += (quantum_mean - average.rgb) / (history + float(i + 1u));
         accumulate(visit, quantum_mean, 1.0);
     }
-    imageStore(mean_even, texel, vec4(average.rgb, push.history + visit.w));
+    imageStore(mean_even, texel, vec4(average.rgb, history + visit.w));
     imageStore(mean_odd, texel, visit);
 }
 

@@ -19,6 +19,8 @@ void main() {
     uint code = imageLoad(nearest_before, texel).x;
     ivec2 nearest = ivec2(code & 0xffffu, code >> 16u);
     vec3 irradiance = code == NOWHERE ? vec3(0.0) : shown_irradiance(nearest);
+    // A light that lies on a surface has no finite answer there.
+    if (any(isnan(irradiance)) || any(isinf(irradiance))) irradiance = vec3(0.0);
     float coverage = imageLoad(surface_image, texel).x != 0u ? 1.0 : 0.0;
     imageStore(light_map, texel, vec4(irradiance, coverage));
 }

@@ -32,10 +32,14 @@ void main() {
         bool valid = !any(isnan(radiance)) && !any(isinf(radiance));
         if (!valid) radiance = vec3(0.0);
         imageStore(source_image, ivec2(texel), vec4(radiance, 1.0));
-        float area = texel_area(surface_of(texel, g));
-        float luminance = dot(radiance, vec3(0.2126, 0.7152, 0.0722));
-        mine = vec4(luminance * area, area, max(albedo.r, max(albedo.g, albedo.b)), valid ? 0.0 : 1.0);
+        if (!DYNAMIC) {
+            float area = texel_area(surface_of(texel, g));
+            float luminance = dot(radiance, vec3(0.2126, 0.7152, 0.0722));
+            mine = vec4(luminance * area, area, max(albedo.r, max(albedo.g, albedo.b)), valid ? 0.0 : 1.0);
+        }
     }
+    // Within frames nobody reads sums.
+    if (DYNAMIC) return;
     uint lane = gl_LocalInvocationID.x;
     group[lane] = mine;
     barrier();

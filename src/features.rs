@@ -31,6 +31,8 @@ impl Features {
         let mut features = Self::required(scene) | Self::DYNAMIC;
         features.set(Self::SKY_CONSTANT, !features.contains(Self::SKY_MAP));
         features.set(Self::LIGHTS, !scene.lights().is_empty());
+        let moves = scene.instances().iter().any(|instance| instance.mobility == Mobility::Movable);
+        features.set(Self::INSTANCES, features.contains(Self::INSTANCES) || moves);
         features
     }
 
@@ -39,8 +41,7 @@ impl Features {
         let materials = || scene.materials().iter();
         let meshes = || scene.instances().iter().map(|instance| &scene.meshes()[instance.mesh]);
         let mut features = Self::empty();
-        let moves = scene.instances().iter().any(|instance| instance.mobility == Mobility::Movable);
-        features.set(Self::INSTANCES, scene.instances().len() != 1 || moves);
+        features.set(Self::INSTANCES, scene.instances().len() != 1);
         features.set(Self::SINGLE_SIDED, materials().any(|material| material.sidedness == Sidedness::Single));
         features.set(Self::UNMAPPED, meshes().any(|mesh| mesh.light_map_uvs().iter().any(Option::is_none)));
         features

@@ -9,7 +9,7 @@ mod still;
 
 pub use crate::epochs::Bounces;
 pub use crate::schedule::Slice;
-pub use frames::{Clock, FrameId, FrameReport, FrameSettings, FrameTiming, MeasuredBy, Ran, Timing};
+pub use frames::{Clock, FrameId, FrameReport, FrameSettings, FrameTiming, Learning, MeasuredBy, Ran, Timing};
 pub use memory::{MemoryEstimate, estimate_memory};
 pub use progress::{Outcome, Phase, Progress, Seconds, Statistics, Stop};
 
@@ -20,7 +20,7 @@ use crate::gpu::{Commands, Constants, FrameCommands, Gpu, TimelinePoint};
 use crate::pass::{DeviceScene, Maps, TexelList};
 use crate::scene::{Atlas, Light, Resolution, Sky};
 use ash::vk;
-use frames::Frames;
+use frames::{Frames, Shown};
 use glam::{DAffine3, Vec3};
 use std::ops::ControlFlow;
 use std::time::Duration;
@@ -47,8 +47,8 @@ pub enum Mode {
     /// It stays: [`Baker::bake`] goes on until the light map is good enough. The default.
     #[default]
     Still,
-    /// It changes: [`Baker::record`] or [`Baker::submit`] work within an engine's frames. Light is reflected without limit,
-    /// whatever `bounces` allows other than [`Bounces::Auto`] is refused.
+    /// It changes: [`Baker::record`] or [`Baker::submit`] work within an engine's frames, on an engine's device
+    /// ([`Gpu::from_raw`]). Light is reflected without limit: bounces other than [`Bounces::Auto`] are refused.
     Frames(FrameSettings),
 }
 
@@ -90,8 +90,10 @@ pub struct DeviceLightMap {
     pub format: vk::Format,
     /// Width and height in texels. Row 0 is light-map coordinate v = 0.
     pub size: [u32; 2],
-    /// Grows by 1 with every finished map; 0: none is finished yet, and this one is black.
+    /// Grows by 1 with every finished map; 0: none is finished yet, and this one is black. Always 0 with [`Mode::Still`].
     pub generation: u64,
+    /// Sweeps over all texels that it holds. Always 0 with [`Mode::Still`].
+    pub sweeps: u64,
 }
 
 /// Bakes the light map of one scene on one device.
@@ -157,8 +159,7 @@ impl Baker {
         match &mut self.running {
             Running::Still(still) => still.read_back(core),
             Running::Frames(frames) => {
-                let (current, _) = frames.light_map();
-                let pixels = core.commands.read_image(&core.maps.light_map[current])?;
+                let pixels = core.commands.read_image(&core.maps.light_map[frames.light_map().map])?;
                 let [width, height] = core.maps.size;
                 Ok(LightMap { width, height, pixels })
             }
@@ -169,7 +170,8 @@ impl Baker {
     /// for 0. What the engine records afterwards sees the map that [`Baker::light_map`] then gives.
     ///
     /// # Errors
-    /// `InvalidSettings` without [`Mode::Frames`], or after [`Baker::submit`].
+    /// `InvalidSettings` without [`Mode::Frames`], or after [`Baker::submit`]; `Unsupported` or `Driver` from the device,
+    /// after which the baker can only be dropped.
     pub fn record(&mut self, commands: FrameCommands, budget: Duration) -> Result<FrameReport> {
         let (frames, core) = self.frames()?;
         frames.record(core, commands, budget)
@@ -182,7 +184,7 @@ impl Baker {
     ///
     /// # Errors
     /// `InvalidSettings` without [`Mode::Frames`], or after [`Baker::record`]; `DeviceLost`, `OutOfMemory` or `Driver` from
-    /// the device.
+    /// the device, after which the baker can only be dropped.
     pub fn submit(
         &mut self,
         budget: Duration,
@@ -206,14 +208,13 @@ impl Baker {
     /// reported complete: use it in the next frame that is recorded, and ask again for the one after. With [`Mode::Still`]
     /// the only one, which [`Baker::read_back`] finishes.
     pub fn light_map(&self) -> DeviceLightMap {
-        let (current, generation) = match &self.running {
-            Running::Still(_) => (0, 0),
+        let Shown { map, generation, sweeps } = match &self.running {
+            Running::Still(_) => Shown::default(),
             Running::Frames(frames) => frames.light_map(),
         };
-        let map = &self.core.maps.light_map[current];
-        let (image, view) = map.handles();
+        let (image, view) = self.core.maps.light_map[map].handles();
         let (layout, format) = (vk::ImageLayout::GENERAL, vk::Format::R32G32B32A32_SFLOAT);
-        DeviceLightMap { image, view, layout, format, size: self.core.maps.size, generation }
+        DeviceLightMap { image, view, layout, format, size: self.core.maps.size, generation, sweeps }
     }
 
     /// Moves an instance, counted as in [`crate::scene::Scene::instances`]. The g-buffer, in object space, stays as it is.
@@ -276,6 +277,15 @@ impl Baker {
     /// `InvalidSettings` without [`Mode::Frames`].
     pub fn set_time(&mut self, now: Duration) -> Result<()> {
         self.frames()?.0.set_time(now);
+        Ok(())
+    }
+
+    /// Whether the cost model goes on learning.
+    ///
+    /// # Errors
+    /// `InvalidSettings` without [`Mode::Frames`].
+    pub fn set_learning(&mut self, learning: Learning) -> Result<()> {
+        self.frames()?.0.learning = learning;
         Ok(())
     }
 

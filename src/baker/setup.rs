@@ -4,14 +4,14 @@ use super::frames::Frames;
 use super::memory::MemoryEstimate;
 use super::still::Still;
 use super::{BakeSettings, Baker, Core, Mode, Running, Statistics};
-use crate::bvh::Bvh;
+use crate::bvh::{Bvh, InstanceRecord, Motion};
 use crate::epochs::Bounces;
 use crate::error::{Error, Result};
 use crate::features::Features;
 use crate::gpu::layout::{NO_FOOTPRINT, Push};
 use crate::gpu::{Commands, Constants, Gpu};
 use crate::pass::{Context, DeviceScene, Gbuffer, Maps, Settle, TexelKind, TexelList};
-use crate::scene::{Atlas, Instance, Mobility, Scene, Sky};
+use crate::scene::{Atlas, Scene, Sky};
 use glam::Vec3;
 use std::ops::Range;
 use std::time::Instant;
@@ -21,6 +21,11 @@ use std::time::Instant;
 /// below 1/32, which a scene of a millionth of a unit does not survive; relative to the scene it has no scale.
 const ORIGIN_OFFSET: f64 = 1.0 / (1 << 17) as f64;
 
+/// For a scene that reaches this far from its middle.
+pub(super) fn origin_offset(reach: f64) -> f32 {
+    (reach * ORIGIN_OFFSET) as f32
+}
+
 impl Baker {
     /// Prepares a bake: lays out the light map, builds the hierarchy, draws the g-buffer. Waits for the device.
     ///
@@ -28,13 +33,14 @@ impl Baker {
     /// `InvalidSettings` for a setting outside its range; `InvalidScene` where there is nothing to bake; `OutOfMemory`,
     /// saying what was asked for; `DeviceLost` or `Driver` from the device.
     pub fn new(gpu: &Gpu, scene: &Scene, settings: &BakeSettings) -> Result<Self> {
-        check(settings)?;
+        check(gpu, settings)?;
         let atlas = Atlas::new(scene, settings.resolution)?;
         let features = features_of(scene, settings);
         MemoryEstimate::of(scene, atlas.size.to_array(), features).check(atlas.size.to_array(), gpu.info())?;
         let mut statistics = Statistics::default();
         let started = Instant::now();
-        let mut bvh = Bvh::build(scene, &atlas)?;
+        let motion = if settings.mode == Mode::Still { Motion::None } else { Motion::OfMovables };
+        let mut bvh = Bvh::build_for(scene, &atlas, motion)?;
         statistics.seconds.bvh = started.elapsed().as_secs_f64();
         let mut core = Core::new(gpu, scene, settings, &mut bvh, atlas, features, statistics)?;
 
@@ -48,13 +54,20 @@ impl Baker {
     }
 }
 
-fn check(settings: &BakeSettings) -> Result<()> {
-    match (settings.mode, settings.bounces) {
-        (Mode::Frames(_), Bounces::Limit(limit)) => Err(Error::settings(format!(
+fn check(gpu: &Gpu, settings: &BakeSettings) -> Result<()> {
+    let Mode::Frames(frames) = settings.mode else { return Ok(()) };
+    frames.check()?;
+    if let Bounces::Limit(limit) = settings.bounces {
+        return Err(Error::settings(format!(
             "the bounces are limited to {limit}; allowed with Mode::Frames is Bounces::Auto"
-        ))),
-        _ => Ok(()),
+        )));
     }
+    if gpu.is_owned() {
+        return Err(Error::settings(
+            "Mode::Frames works within an engine's frames; this device is our own. Gpu::from_raw takes an engine's",
+        ));
+    }
+    Ok(())
 }
 
 /// What a baker with these settings needs of a scene.
@@ -77,8 +90,8 @@ impl Core {
     ) -> Result<Self> {
         let started = Instant::now();
         let size = atlas.size.to_array();
-        let movable = |(index, instance): (usize, &Instance)| (instance.mobility == Mobility::Movable).then_some(index);
-        let movable: Vec<usize> = scene.instances().iter().enumerate().filter_map(movable).collect();
+        let moves = |index: &usize| bvh.instances[*index].flags & InstanceRecord::MOVABLE != 0;
+        let movable: Vec<usize> = (0..bvh.instances.len()).filter(moves).collect();
         // What may leave does not decide which texels are inside something.
         set_present(bvh, &movable, false);
         let mut commands = Commands::new(gpu)?;
@@ -91,7 +104,7 @@ impl Core {
         let texels = list_texels(gpu, &mut commands, &maps, &mut statistics)?;
         if !movable.is_empty() {
             set_present(bvh, &movable, true);
-            commands.run(|recorder| device_scene.record_placing(recorder, bvh))?;
+            commands.run(|recorder| device_scene.record_placing(recorder, bvh, 0..bvh.instances.len()))?;
         }
         statistics.seconds.compile = compile;
         statistics.seconds.gbuffer = started.elapsed().as_secs_f64() - compile;
@@ -115,7 +128,7 @@ fn push_of(scene: &Scene, settings: &BakeSettings, bvh: &Bvh, device_scene: &Dev
         light_count: device_scene.light_count,
         root: bvh.root(),
         sky: sky.into(),
-        origin_offset: (extent * ORIGIN_OFFSET) as f32,
+        origin_offset: origin_offset(extent),
         seed: [settings.seed as u32, (settings.seed >> 32) as u32],
         ..Push::default()
     }

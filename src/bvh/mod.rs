@@ -111,6 +111,15 @@ pub struct MeshRange {
     pub count: u32,
 }
 
+/// What will be moved.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Motion {
+    /// Nothing, whatever may be declared movable.
+    None,
+    /// What is declared movable.
+    OfMovables,
+}
+
 /// The hierarchy of a scene, as it goes to the device.
 #[derive(Debug, Clone)]
 pub struct Bvh {
@@ -162,9 +171,15 @@ impl Bvh {
     /// `OutOfMemory` over 2^26 triangles or instances; `InvalidScene` where something is farther than
     /// [`MAX_COORDINATE`] from the scene's middle.
     pub fn build(scene: &Scene, atlas: &Atlas) -> Result<Self> {
+        Self::build_for(scene, atlas, Motion::None)
+    }
+
+    /// The same, with what `motion` says.
+    pub(crate) fn build_for(scene: &Scene, atlas: &Atlas, motion: Motion) -> Result<Self> {
         let centre = scene.centre();
         let mut transforms: Vec<DAffine3> = scene.instances().iter().map(|i| scene.centred(i, centre)).collect();
-        let moves = scene.instances().iter().any(|instance| instance.mobility == Mobility::Movable);
+        let may_move = |instance: &Instance| motion == Motion::OfMovables && instance.mobility == Mobility::Movable;
+        let moves = scene.instances().iter().any(may_move);
         let baked_transform = match transforms.as_mut_slice() {
             [only] if !moves => Some(std::mem::replace(only, DAffine3::IDENTITY)),
             _ => None,
@@ -175,7 +190,7 @@ impl Bvh {
             nodes: Vec::new(),
             triangles: Vec::new(),
             order: vec![Vec::new(); sources.len()],
-            instances: records(scene.instances(), atlas),
+            instances: records(scene.instances(), atlas, may_move),
             meshes: vec![MeshRange::default(); sources.len()],
             top_root: None,
             stack_size: 1,
@@ -296,10 +311,10 @@ fn check_positions(mesh: &Mesh, baked: Option<&DAffine3>) -> Result<()> {
     encode::check_reach(|| format!("mesh '{}'", mesh.name()), largest)
 }
 
-fn records(instances: &[Instance], atlas: &Atlas) -> Vec<InstanceRecord> {
+fn records(instances: &[Instance], atlas: &Atlas, may_move: impl Fn(&Instance) -> bool) -> Vec<InstanceRecord> {
     let record = |(index, instance): (usize, &Instance)| {
         let rect = |rect: &AtlasRect| [rect.scale.x, rect.scale.y, rect.offset.x, rect.offset.y];
-        let flags = if instance.mobility == Mobility::Movable { InstanceRecord::MOVABLE } else { 0 };
+        let flags = if may_move(instance) { InstanceRecord::MOVABLE } else { 0 };
         InstanceRecord { atlas: atlas.rects.get(index).map_or([0.0; 4], rect), flags, ..InstanceRecord::zeroed() }
     };
     instances.iter().enumerate().map(record).collect()

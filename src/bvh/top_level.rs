@@ -50,13 +50,13 @@ impl Placing {
 
 impl Bvh {
     /// Moves an instance: `transform` is object to world, as in the scene. Its record changes at once, the top level with
-    /// [`Bvh::rebuild_top_level`].
+    /// [`Bvh::rebuild_top_level`]. `false`: it was there already.
     ///
     /// # Errors
     /// Nothing is changed. `InvalidSettings`: a transform that is singular or not finite. `Unsupported`: the scene has no
     /// top level; or the object moved so far away or became so small beside the scene that its boxes are no longer wide
     /// enough for rounding, and the scene is to be built anew.
-    pub fn place(&mut self, instance: usize, transform: &DAffine3) -> Result<()> {
+    pub(crate) fn place(&mut self, instance: usize, transform: &DAffine3) -> Result<bool> {
         if self.top_root.is_none() {
             return Err(Error::new(ErrorKind::Unsupported, "a scene without a top level cannot be moved in part"));
         }
@@ -66,16 +66,24 @@ impl Bvh {
         }
         let transform = DAffine3 { translation: transform.translation - self.centre, ..*transform };
         let previous = std::mem::replace(&mut self.placing.transforms[instance], transform);
+        if previous == transform {
+            return Ok(false);
+        }
         if let Err(error) = self.check_placing(instance) {
             self.placing.transforms[instance] = previous;
             return Err(error);
         }
         self.instances[instance].place(&transform, &transform.inverse());
-        Ok(())
+        Ok(true)
+    }
+
+    /// The largest coordinate that anything has had so far.
+    pub(crate) fn world_reach(&self) -> f64 {
+        self.placing.world.map_or(0.0, Bounds::reach)
     }
 
     /// Lets rays meet an instance or pass it by, from the next [`Bvh::rebuild_top_level`] on.
-    pub fn set_present(&mut self, instance: usize, present: bool) {
+    pub(crate) fn set_present(&mut self, instance: usize, present: bool) {
         self.placing.present[instance] = present;
         let flags = &mut self.instances[instance].flags;
         *flags = if present { *flags & !InstanceRecord::ABSENT } else { *flags | InstanceRecord::ABSENT };
@@ -83,12 +91,12 @@ impl Bvh {
 
     /// Builds the top level anew over the instances that are present: a balanced tree, in memory that is there already.
     /// The nodes of the top level lie behind all others; their number is never larger than that of the instances.
-    pub fn rebuild_top_level(&mut self) {
+    pub(crate) fn rebuild_top_level(&mut self) {
         self.nodes.truncate(self.bottom_nodes);
         self.gather_leaves();
         self.top_root = Some(self.bottom_nodes as u32);
         self.nodes.push(Node::EMPTY);
-        let pad = encode::box_pad(self.placing.world.map_or(0.0, Bounds::reach));
+        let pad = encode::box_pad(self.world_reach());
         let Placing { leaves, work, .. } = &mut self.placing;
         self.stack_size = 1;
         work.clear();
@@ -118,17 +126,17 @@ impl Bvh {
     }
 
     /// Nodes that no top level changes.
-    pub fn bottom_nodes(&self) -> usize {
+    pub(crate) fn bottom_nodes(&self) -> usize {
         self.bottom_nodes
     }
 
     /// Nodes of all levels, whatever instances come and go.
-    pub fn most_nodes(&self) -> usize {
+    pub(crate) fn most_nodes(&self) -> usize {
         self.nodes.len().max(self.bottom_nodes + self.instances.len().max(1))
     }
 
     /// What `stack_size` is at most, whatever the instances do.
-    pub fn most_stack_size(&self) -> u32 {
+    pub(crate) fn most_stack_size(&self) -> u32 {
         if self.top_root.is_none() {
             return self.stack_size;
         }
@@ -171,7 +179,7 @@ impl Bvh {
             return;
         }
         let boxes: Vec<Aabb> = leaves.iter().map(|leaf| leaf.aabb).collect();
-        let pad = encode::box_pad(self.placing.world.map_or(0.0, Bounds::reach));
+        let pad = encode::box_pad(self.world_reach());
         let mut deepest = 1;
         let root = encode::flatten(&build::tree(&boxes, 1), pad, &mut self.nodes, |primitives, depth| {
             let leaf = leaves[primitives[0] as usize];
@@ -217,7 +225,7 @@ impl Bvh {
     }
 
     fn gather_leaves(&mut self) {
-        let reach = self.placing.world.map_or(0.0, Bounds::reach);
+        let reach = self.world_reach();
         let mut leaves = std::mem::take(&mut self.placing.leaves);
         leaves.clear();
         for (instance, transform) in self.placing.transforms.iter().enumerate() {

@@ -47,10 +47,10 @@ impl Commands {
         let buffers = [vk::CommandBufferSubmitInfo::default().command_buffer(self.buffer)];
         let submit = [vk::SubmitInfo2::default().command_buffer_infos(&buffers)];
         let started = Instant::now();
-        let queue = self.gpu.queue().lock();
-        // SAFETY: the buffer is recorded, the fence unsignalled, the queue locked. A device that is lost ends the wait.
+        // SAFETY: the buffer is recorded, the fence unsignalled, the queue locked.
+        unsafe { device.queue_submit2(*self.gpu.queue().lock(), &submit, self.fence) }.map_err(context)?;
+        // SAFETY: the fence is that of the submission. A device that is lost ends the wait.
         unsafe {
-            device.queue_submit2(*queue, &submit, self.fence).map_err(context)?;
             device.wait_for_fences(&[self.fence], true, u64::MAX).map_err(context)?;
             device.reset_fences(&[self.fence]).map_err(context)?;
         }

@@ -109,7 +109,7 @@ pub(super) struct Inner {
     pub(super) acceleration: Option<khr::acceleration_structure::Device>,
     pub(super) info: DeviceInfo,
     backend: Backend,
-    _owner: Option<Owner>,
+    owner: Option<Owner>,
 }
 
 /// A queue, for one thread at a time.
@@ -179,6 +179,29 @@ impl Drop for OwnedInstance {
     }
 }
 
+/// `Unsupported` where a function of the Vulkan version that is needed is not there.
+fn check_version(function: vk::PFN_vkVoidFunction, name: &CStr) -> Result<()> {
+    let name = name.to_string_lossy();
+    let missing = || format!("there is no {name}: the instance was created for a Vulkan before 1.3, which is needed");
+    function.map(|_| ()).ok_or_else(|| Error::new(ErrorKind::Unsupported, missing()))
+}
+
+/// The instance's functions.
+///
+/// # Safety
+/// The instance is valid and of the library that `get_instance_proc_addr` belongs to.
+unsafe fn load_instance(
+    get_instance_proc_addr: vk::PFN_vkGetInstanceProcAddr,
+    instance: vk::Instance,
+) -> Result<ash::Instance> {
+    // SAFETY: the instance is valid by the caller's word.
+    unsafe {
+        let name = c"vkGetPhysicalDeviceProperties2";
+        check_version(get_instance_proc_addr(instance, name.as_ptr()), name)?;
+        Ok(ash::Instance::load(&ash::StaticFn { get_instance_proc_addr }, instance))
+    }
+}
+
 impl Gpu {
     /// What an engine has to enable on a device, before it makes it.
     ///
@@ -195,7 +218,7 @@ impl Gpu {
         backend: BackendChoice,
     ) -> Result<Requirements> {
         // SAFETY: the instance is valid by the caller's word.
-        let instance = unsafe { ash::Instance::load(&ash::StaticFn { get_instance_proc_addr }, instance) };
+        let instance = unsafe { load_instance(get_instance_proc_addr, instance)? };
         Requirements::find(&instance, physical_device, backend)
     }
 
@@ -208,13 +231,16 @@ impl Gpu {
     /// # Safety
     /// - The handles are valid and belong together; extensions and features are those that the device was created with.
     /// - All of them outlive every clone of the `Gpu` and everything made from it.
+    /// - A frame is reported to `Baker::complete` only once it has finished on the device, with all that uses a light map of
+    ///   its baker in it. A baker is dropped, or its light map read back, only while no frame of it is under way.
     /// - Nobody else uses the queues during `Baker::new`, `Baker::bake`, `Baker::read_back`, `Tracer::new` and
     ///   `Tracer::trace`, nor the queue for compute during `Baker::submit`: Vulkan wants one thread at a time there.
     pub unsafe fn from_raw(raw: RawDevice<'_>) -> Result<Self> {
         // SAFETY: instance and device are valid by the caller's word.
         let (instance, device) = unsafe {
-            let functions = ash::StaticFn { get_instance_proc_addr: raw.get_instance_proc_addr };
-            let instance = ash::Instance::load(&functions, raw.instance);
+            let instance = load_instance(raw.get_instance_proc_addr, raw.instance)?;
+            let name = c"vkCmdPipelineBarrier2";
+            check_version(instance.get_device_proc_addr(raw.device, name.as_ptr()), name)?;
             let device = ash::Device::load(instance.fp_v1_0(), raw.device);
             (instance, device)
         };
@@ -264,9 +290,14 @@ impl Gpu {
             compute_queue: compute_queue.map(|queue| Queue::new(queue, &instance, physical_device)),
             info,
             backend,
-            _owner: owner,
+            owner,
         };
         Ok(Self { inner: Arc::new(inner) })
+    }
+
+    /// Whether instance and device are our own: there is then no engine whose frames to work in.
+    pub(crate) fn is_owned(&self) -> bool {
+        self.inner.owner.is_some()
     }
 
     /// What the device is and can do.

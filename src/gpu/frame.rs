@@ -12,7 +12,9 @@ impl FrameCommands {
     /// # Safety
     /// - The command buffer is primary, of the queue family of [`super::RawDevice::queue`], being recorded, and outside a
     ///   rendering.
-    /// - Command buffers that one baker recorded into are submitted to that queue once each, in the order of recording.
+    /// - It is so until `Baker::record` returns, and the value is used for no other command buffer.
+    /// - Command buffers that one baker recorded into are submitted to that queue once each, in the order of recording. One
+    ///   that is thrown away takes its frame with it: the baker is then to be made anew.
     ///
     /// Afterwards pipeline, descriptor sets and push constants are others than before; nothing else is changed.
     pub unsafe fn new(commands: vk::CommandBuffer) -> Self {
@@ -125,11 +127,14 @@ impl<'a> Recorder<'a> {
         Self::after(gpu, commands.0, Self::frame_stages(gpu))
     }
 
-    /// Makes the light map visible to whatever the engine records next.
+    /// Makes the light map visible to fragment and compute shaders and to copies that the engine records next. Narrow, so
+    /// that its shadow maps need not wait.
     pub(crate) fn publish(&mut self) {
-        let readers = vk::PipelineStageFlags2::ALL_GRAPHICS
+        let readers = vk::PipelineStageFlags2::FRAGMENT_SHADER
             | vk::PipelineStageFlags2::COMPUTE_SHADER
             | vk::PipelineStageFlags2::ALL_TRANSFER;
         self.barrier(readers, &[]);
+        // What follows of our own does not wait for the engine's drawing.
+        self.last = Self::frame_stages(self.gpu);
     }
 }

@@ -36,10 +36,10 @@ const READ_WRITE: vk::AccessFlags2 =
 
 /// Records into a command buffer that has been begun.
 pub(crate) struct Recorder<'a> {
-    gpu: &'a Gpu,
+    pub(super) gpu: &'a Gpu,
     commands: vk::CommandBuffer,
     /// Stages of the last pass; at first everything that was submitted before.
-    last: vk::PipelineStageFlags2,
+    pub(super) last: vk::PipelineStageFlags2,
 }
 
 impl<'a> Recorder<'a> {

@@ -19,9 +19,11 @@ impl Timer {
     /// `None`: the queues have no timestamps.
     pub(crate) fn new(gpu: &Gpu, frames: u32) -> Result<Option<Self>> {
         // Frames may run on either queue; their counters need not agree, but each frame's marks are of one queue.
-        let (Some(timestamps), Some(_)) = (gpu.queue().timestamps, gpu.compute_queue().timestamps) else {
+        let (Some(timestamps), Some(other)) = (gpu.queue().timestamps, gpu.compute_queue().timestamps) else {
             return Ok(None);
         };
+        let valid_bits = timestamps.valid_bits.min(other.valid_bits);
+        let timestamps = Timestamps { valid_bits, ..timestamps };
         let count = frames * MARKS as u32;
         let info = vk::QueryPoolCreateInfo::default().query_type(vk::QueryType::TIMESTAMP).query_count(count);
         // SAFETY: the description is complete.
@@ -38,9 +40,12 @@ impl Timer {
         }
     }
 
-    /// A timestamp once the compute work recorded before is done.
+    /// A timestamp once the last pass recorded is done.
     pub(crate) fn mark(&self, recorder: &Recorder<'_>, row: u32, mark: usize) {
-        let (stage, query) = (vk::PipelineStageFlags2::COMPUTE_SHADER, row * MARKS as u32 + mark as u32);
+        // Of one stage; before a frame's first pass it is that of the dispatches before.
+        let single = recorder.last.as_raw().is_power_of_two();
+        let stage = if single { recorder.last } else { vk::PipelineStageFlags2::COMPUTE_SHADER };
+        let query = row * MARKS as u32 + mark as u32;
         // SAFETY: the query was reset in the same command buffer and is written once.
         unsafe { self.gpu.device().cmd_write_timestamp2(recorder.commands(), stage, self.pool, query) };
     }

@@ -41,16 +41,19 @@ impl Radiators {
         self.materials.len() as u32 - 1
     }
 
-    /// Changes what one of the scene's materials emits.
-    pub(crate) fn set_emission(&mut self, material: usize, emission: Vec3) {
+    /// Changes what one of the scene's materials emits. `false`: it was that already.
+    pub(crate) fn set_emission(&mut self, material: usize, emission: Vec3) -> bool {
         let own = self.materials.len() - self.tinted.len();
         let (own, tinted) = self.materials.split_at_mut(own);
-        own[material].emission = emission.into();
+        if std::mem::replace(&mut own[material].emission, emission.into()) == emission.to_array() {
+            return false;
+        }
         for (copy, (original, tint)) in tinted.iter_mut().zip(&self.tinted) {
             if *original == material {
                 copy.emission = (emission * *tint).into();
             }
         }
+        true
     }
 }
 

@@ -1,7 +1,7 @@
 //! The scene on the device.
 
 use super::primitives::{self, Encoded, Radiators};
-use crate::bvh::{Bvh, Node};
+use crate::bvh::{Bvh, InstanceRecord, Node};
 use crate::error::Result;
 use crate::features::Features;
 use crate::gpu::layout::{self, binding};
@@ -12,6 +12,7 @@ use crate::scene::{Light, LightKind, Scene, Sky};
 use ash::vk;
 use bytemuck::Zeroable;
 use glam::{DVec3, Vec3};
+use std::ops::Range;
 
 /// The scene's buffers.
 pub(crate) struct DeviceScene {
@@ -97,10 +98,15 @@ impl DeviceScene {
         (binding::SKY_MAP, Resource::Texture(&self.sky, &self.sampler))
     }
 
-    /// Records where the instances now are: their records, and the top level.
-    ///
-    pub(crate) fn record_placing(&mut self, recorder: &mut Recorder<'_>, bvh: &Bvh) -> Result<()> {
-        recorder.update_buffer(&self.instances, 0, &bvh.instances);
+    /// Records where the instances now are: the records of those that have changed, and the top level.
+    pub(crate) fn record_placing(
+        &mut self,
+        recorder: &mut Recorder<'_>,
+        bvh: &Bvh,
+        instances: Range<usize>,
+    ) -> Result<()> {
+        let offset = (instances.start * size_of::<InstanceRecord>()) as u64;
+        recorder.update_buffer(&self.instances, offset, &bvh.instances[instances]);
         match &mut self.hierarchy {
             Hierarchy::Software(nodes) => {
                 let first = bvh.bottom_nodes();
@@ -130,7 +136,7 @@ impl DeviceScene {
             ("nodes", size(size_of::<Node>(), triangles * 7 / 10 + 1)),
             ("triangles", size(size_of::<crate::bvh::Triangle>(), triangles)),
             ("primitives", size(size_of::<layout::Primitive>(), triangles)),
-            ("instances", size(size_of::<crate::bvh::InstanceRecord>(), scene.instances().len() as u64)),
+            ("instances", size(size_of::<InstanceRecord>(), scene.instances().len() as u64)),
         ];
         if features.contains(Features::TEXTURES) {
             let pixels: u64 = scene.textures().iter().map(|t| u64::from(t.width) * u64::from(t.height)).sum();

@@ -91,6 +91,15 @@ fn settings_out_of_range_are_named() {
     engine.finish();
 }
 
+/// A device of the library's own has no engine's frames, and nobody who promises to wait for them.
+#[test]
+fn a_device_of_our_own_has_no_frames() {
+    let headless = lightoven::headless::Headless::new(&Default::default()).unwrap();
+    let settings = BakeSettings { mode: Mode::Frames(FrameSettings::default()), ..BakeSettings::default() };
+    let refused = message(Baker::new(headless.gpu(), &scene(), &settings));
+    assert_says(&refused, &["Mode::Frames", "Gpu::from_raw"]);
+}
+
 /// A baker does what it was made for.
 #[test]
 fn the_other_mode_is_refused() {

@@ -132,7 +132,7 @@ fn two_bakers() {
     let settings = FrameSettings { quanta: Some(1), clock: Clock::Engine, ..FrameSettings::default() };
     let frame = |engine: &mut Engine, baker: &mut Baker| {
         engine.record_frame(baker, Duration::from_millis(4), None);
-        baker.light_map().generation
+        baker.light_map().sweeps
     };
     let mut alone = baker(&engine, settings);
     while frame(&mut engine, &mut alone) < 8 {}

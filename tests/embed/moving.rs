@@ -82,9 +82,10 @@ fn shadow_follows(backend: BackendChoice, scene: &Scene, dark: f64) {
     live.frames(LATENCY_FRAMES, 1.0 / 60.0);
     let [after_a, after_b] = shades(&mut live, open);
     println!("after the latency: {after_a:.3} at A, {after_b:.3} at B");
-    // A tenth of the old light is left, and of its absence.
-    assert!(after_a > lit - 0.12 * (lit - shaded) - 0.06, "the old shadow stays: {after_a}");
-    assert!(after_b < shaded + 0.12 * (lit - shaded) + 0.06, "the new shadow is late: {after_b}");
+    // A tenth of the old light is left, and of its absence. Noise: a quarter of some 50 texels' mean, of over 100 rays each.
+    let noise = 0.25 / (50.0_f64 * 100.0).sqrt() * 4.0;
+    assert!(after_a > lit - 0.1 * (lit - shaded) - noise, "the old shadow stays: {after_a}");
+    assert!(after_b < shaded + 0.1 * (lit - shaded) + noise, "the new shadow is late: {after_b}");
     assert_eq!(counting::take().draws, 0, "the g-buffer was drawn again");
     live.finish();
 }
@@ -148,6 +149,32 @@ fn a_moving_light() {
     live.frames(3 * LATENCY_FRAMES, 1.0 / 60.0);
     let [gone_a, gone_b] = shades(&mut live, 1.0);
     assert!(gone_a < 0.01 * near && gone_b < 0.01 * near, "{gone_a}, {gone_b}");
+    live.finish();
+}
+
+/// An object that was not there in the first frames is not dark when it comes.
+#[test]
+fn one_that_comes_late_is_lit_at_once() {
+    let mut stage = Stage::new();
+    let white = stage.material(0.5, 0.0);
+    stage.sky(1.0);
+    for (chart, x) in [(0, -1.0), (1, 1.0)] {
+        let square = level_square(1.0, 0.0, Facing::Up, Chart::large(chart), white);
+        stage.place(&[square], DAffine3::from_translation(DVec3::X * x));
+    }
+    stage.desc.instances[1].mobility = Mobility::Movable;
+    let frames = FrameSettings { tolerable_latency: std::time::Duration::MAX, ..FrameSettings::default() };
+    let Some(mut live) = Live::new(BackendChoice::Software, &stage.build(), frames) else { return };
+    live.baker.remove_instance(1).unwrap();
+    live.warm_up();
+    live.frames(50, 1.0 / 60.0);
+    live.baker.add_instance(1).unwrap();
+    live.frames(2, 1.0 / 60.0);
+    let rect = live.baker.atlas().rects[1];
+    let middle = (rect.offset + rect.scale * chart_middle()).as_uvec2();
+    let texel = (middle.y * live.baker.atlas().size.x + middle.x) as usize;
+    let lit = live.irradiance(&[texel])[0];
+    assert!((lit / std::f64::consts::PI - 1.0).abs() < 1e-3, "{lit}");
     live.finish();
 }
 

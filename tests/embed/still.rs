@@ -114,10 +114,11 @@ fn slices_leave_no_trace() {
         let mut live = Live::new(BackendChoice::Software, &scene, frames).unwrap();
         let mut count = 0;
         // Time stands still: the light map is the mean of its sweeps.
-        while live.baker.light_map().generation < 12 {
+        while live.baker.light_map().sweeps < 12 {
             live.frame(0.0, budget);
             count += 1;
         }
+        assert_eq!(live.baker.light_map().sweeps, 12);
         println!("12 sweeps in {count} frames of {budget:?}");
         let map = bits(live.baker.read_back().unwrap());
         live.finish();

@@ -2,7 +2,7 @@
 
 use crate::{assert_invalid, scene, square};
 use glam::{DVec3, Vec3};
-use lightoven::scene::LightKind;
+use lightoven::scene::{LightKind, Mobility};
 use serde_json::{Value, json};
 
 #[test]
@@ -78,6 +78,25 @@ fn transforms_that_are_none_are_refused() {
     assert_invalid(&builder, &["'far'", "not finite"]);
     builder.root["nodes"] = json!([{ "mesh": 0, "name": "spun", "rotation": [0, 0, 0, 0] }]);
     assert_invalid(&builder, &["'spun'", "not finite"]);
+}
+
+#[test]
+fn what_an_animation_moves_is_movable() {
+    let mut builder = square();
+    builder.root["nodes"] = json!([
+        { "name": "door", "children": [1] },
+        { "name": "handle", "mesh": 0 },
+        { "name": "wall", "mesh": 0 },
+        { "name": "face", "mesh": 0 },
+    ]);
+    builder.root["scenes"] = json!([{ "nodes": [0, 2, 3] }]);
+    let channel = |node: u32, path: &str| json!({ "sampler": 0, "target": { "node": node, "path": path } });
+    let channels = [channel(0, "rotation"), channel(3, "weights"), channel(99, "translation")];
+    builder.root["animations"] = json!([{ "channels": channels, "samplers": [{ "input": 0, "output": 0 }] }]);
+    let scene = scene(&builder);
+    let mobilities: Vec<_> = scene.instances().iter().map(|i| (i.name.as_str(), i.mobility)).collect();
+    let expected = [("handle", Mobility::Movable), ("wall", Mobility::Static), ("face", Mobility::Static)];
+    assert_eq!(mobilities, expected);
 }
 
 #[test]

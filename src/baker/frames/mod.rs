@@ -10,8 +10,9 @@ mod sky_map;
 mod timing;
 mod world;
 
+pub(super) use published::Shown;
 pub use report::{FrameId, FrameReport, FrameTiming, MeasuredBy, Ran};
-pub use settings::{Clock, FrameSettings, Timing};
+pub use settings::{Clock, FrameSettings, Learning, Timing};
 
 use super::Core;
 use crate::bvh::Bvh;
@@ -28,6 +29,7 @@ use published::Published;
 use settling::Settling;
 use std::ops::Range;
 use std::time::{Duration, Instant};
+use timing::TIMED;
 use world::{Changes, World};
 
 /// Side of the grid of strata of a quantum: 16 rays.
@@ -49,7 +51,9 @@ pub(super) struct Frames {
     submitter: FrameSubmitter,
     way: Option<Way>,
     started: Instant,
-    engine_time_s: f64,
+    engine: EngineClock,
+    /// Something has been recorded.
+    begun: bool,
     /// Direct light is out of date.
     direct_due: bool,
     /// Which source map is read.
@@ -61,6 +65,9 @@ pub(super) struct Frames {
     used: [bool; 3],
     /// What writing changes takes.
     update_s: f64,
+    /// When frames were last reported complete.
+    reported_at: Option<Instant>,
+    pub(super) learning: Learning,
 }
 
 struct Passes {
@@ -77,6 +84,13 @@ struct Tile {
     visited_s: f64,
 }
 
+/// Time as the engine tells it: only how it goes forward counts.
+#[derive(Debug, Clone, Copy, Default)]
+struct EngineClock {
+    told_s: Option<f64>,
+    now_s: f64,
+}
+
 /// How the engine runs frames. One baker stays with one way.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Way {
@@ -86,7 +100,6 @@ enum Way {
 
 impl Frames {
     pub(super) fn new(core: &mut Core, scene: &Scene, bvh: Bvh, settings: FrameSettings) -> Result<Self> {
-        settings.check()?;
         let average = Average::new(settings.tolerable_latency, settings.decay_threshold)?;
         let passes = Passes::new(core)?;
         let [width, height] = core.maps.size;
@@ -100,8 +113,7 @@ impl Frames {
         let max_albedo = scene.materials().iter().map(|material| material.albedo.max_element()).fold(0.0, f32::max);
         let latency_s = settings.tolerable_latency.as_secs_f64();
         let latency_s = if settings.tolerable_latency == Duration::MAX { f64::INFINITY } else { latency_s };
-        let mut settling = Settling::new(latency_s, settings.decay_threshold, f64::from(max_albedo));
-        settling.changed(0.0, 0);
+        let settling = Settling::new(latency_s, settings.decay_threshold, f64::from(max_albedo));
         Ok(Self {
             settings,
             passes,
@@ -116,7 +128,8 @@ impl Frames {
             submitter: FrameSubmitter::new(&core.gpu, settings.frames_in_flight)?,
             way: None,
             started: Instant::now(),
-            engine_time_s: 0.0,
+            engine: EngineClock::default(),
+            begun: false,
             direct_due: core.features.contains(Features::LIGHTS),
             source: 0,
             first_sample: 0,
@@ -124,6 +137,8 @@ impl Frames {
             sweeps: 0,
             used: [false; 3],
             update_s: 0.0,
+            reported_at: None,
+            learning: Learning::default(),
         })
     }
 
@@ -185,7 +200,8 @@ impl Frames {
         let mut recorder = Recorder::frame(&gpu, commands);
         self.begin_timing(&recorder, row);
         let overhead_s = if self.world.has_changed() { self.update_s } else { 0.0 };
-        let (changes, ran) = self.world.record(&mut recorder, &mut core.scene, frame, self.flight.completed)?;
+        let frames = [frame, self.flight.completed];
+        let (changes, ran) = self.world.record(&mut recorder, &mut core.scene, &mut core.push, frames)?;
         self.note(changes, now_s);
         self.mark(&recorder, row, 1);
         let needs = Needs { direct: self.direct_due, publish: self.published.begin(self.flight.completed).is_some() };
@@ -194,13 +210,15 @@ impl Frames {
         works.extend_from_slice(self.scheduler.plan(budget, needs, overhead_s));
         let mut report = FrameReport { frame, ran, ..FrameReport::default() };
         let mut first_use = [false; 3];
+        let last = works.len().saturating_sub(1);
         for (index, work) in works.iter().enumerate() {
             report.predicted += Duration::from_secs_f64(self.scheduler.predicted(work));
             first_use[work.stage as usize] |= !std::mem::replace(&mut self.used[work.stage as usize], true);
             self.run(core, &mut recorder, work, now_s, &mut report);
-            self.mark(&recorder, row, index + 2);
+            if index == last || index + 1 < TIMED {
+                self.mark(&recorder, row, (index + 2).min(MARKS - 1));
+            }
         }
-        report.dispatches = works.len() as u32;
         self.finish_report(core, &mut report, now_s);
         let row = self.flight.row(row);
         (row.frame, row.works, row.first_use) = (Some(frame), works, first_use);
@@ -210,9 +228,11 @@ impl Frames {
 
     /// What follows from a change.
     fn note(&mut self, changes: Changes, now_s: f64) {
-        if changes.is_empty() {
+        // The first frame changes everything.
+        if changes.is_empty() && std::mem::replace(&mut self.begun, true) {
             return;
         }
+        self.begun = true;
         self.settling.changed(now_s, self.sweeps);
         self.direct_due |= self.passes.direct.is_some() && changes.intersects(Changes::PLACING | Changes::LIGHTS);
     }
@@ -227,6 +247,7 @@ impl Frames {
                 if let Some(direct) = &self.passes.direct {
                     direct.record(recorder, &core.push, texels_of(core, &work.items));
                 }
+                report.dispatches += 1;
                 report.ran |= Ran::DIRECT;
             }
             Stage::Gather => self.gather(core, recorder, work, now_s, report),
@@ -254,6 +275,7 @@ impl Frames {
                 let texels = texels_of(core, &(first..item));
                 let push = Push { history, ..push };
                 self.passes.bake.record(recorder, &push, self.source, texels, 0..work.quanta);
+                report.dispatches += 1;
                 first = item;
             }
         }
@@ -263,6 +285,7 @@ impl Frames {
         self.passes.bake.record(recorder, &push, self.source, last, 0..work.quanta);
         self.passes.source.record(recorder, &push, 1 - self.source, texels.clone());
         report.rays += u64::from(texels.end - texels.start) * u64::from(RAYS * work.quanta);
+        report.dispatches += 2;
         report.ran |= Ran::BAKE | Ran::SOURCE;
         if work.ends_stage {
             self.source = 1 - self.source;
@@ -274,10 +297,15 @@ impl Frames {
         let Some(map) = self.published.begin(self.flight.completed) else { return };
         let rows = work.items.start * SQUARE_GROUP..(work.items.end * SQUARE_GROUP).min(core.maps.size[1]);
         self.passes.publish.record(recorder, &core.push, map, rows);
+        report.dispatches += 1;
         report.ran |= Ran::PUBLISH;
         if work.ends_stage {
-            recorder.publish();
-            self.published.finish(report.frame, self.way == Some(Way::Record));
+            let recorded = self.way == Some(Way::Record);
+            // What is submitted is made visible by its semaphores, and its queue may know no drawing.
+            if recorded {
+                recorder.publish();
+            }
+            self.published.finish(report.frame, self.sweeps, recorded);
         }
     }
 
@@ -292,19 +320,21 @@ impl Frames {
         core.statistics.samples_per_texel += report.samples_per_texel;
     }
 
-    /// The newest finished light map's place and generation.
-    pub(super) fn light_map(&self) -> (usize, u64) {
+    /// The newest finished light map.
+    pub(super) fn light_map(&self) -> Shown {
         self.published.current()
     }
 
     pub(super) fn set_time(&mut self, now: Duration) {
-        self.engine_time_s = now.as_secs_f64();
+        let now_s = now.as_secs_f64();
+        let elapsed_s = now_s - self.engine.told_s.replace(now_s).unwrap_or(now_s);
+        self.engine.now_s += elapsed_s.max(0.0);
     }
 
     fn now_s(&self) -> f64 {
         match self.settings.clock {
             Clock::Wall => self.started.elapsed().as_secs_f64(),
-            Clock::Engine => self.engine_time_s,
+            Clock::Engine => self.engine.now_s,
         }
     }
 

@@ -44,7 +44,7 @@ pub struct FrameReport {
     pub rays: u64,
     /// Rays a texel, over all texels that take rays: a fraction where tiles take turns.
     pub samples_per_texel: f64,
-    /// Dispatches, as far as they are planned by time.
+    /// Dispatches of direct light, rays, outgoing radiance and light maps.
     pub dispatches: u32,
     /// How long the cost model expects it to take.
     pub predicted: Duration,

@@ -1,13 +1,15 @@
 //! How a baker behaves that works within an engine's frames.
 
 use crate::error::{Error, Result};
+use crate::temporal::Average;
 use std::time::Duration;
 
 /// How a baker behaves that works within an engine's frames.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrameSettings {
     /// After so long a change has all but arrived: of the old light [`FrameSettings::decay_threshold`] is left. Shorter is
-    /// livelier and noisier. Zero: each visit stands for itself; `Duration::MAX`: old light never leaves. Default .5 s.
+    /// livelier and noisier. Zero: of the old light nothing is left by the next visit; `Duration::MAX`: it never leaves.
+    /// Default .5 s.
     pub tolerable_latency: Duration,
     /// Share of the old light that is left after the latency; between 0 and 1, both excluded. Default .1.
     pub decay_threshold: f64,
@@ -42,6 +44,16 @@ pub enum Timing {
     Host,
 }
 
+/// Whether the cost model learns from what frames take.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Learning {
+    /// It does: budgets are kept.
+    #[default]
+    On,
+    /// It stays as it is: equal budgets get equal work, whatever that takes. For measurements.
+    Held,
+}
+
 impl Default for FrameSettings {
     fn default() -> Self {
         Self {
@@ -61,8 +73,10 @@ const MOST_IN_FLIGHT: u32 = 8;
 const MOST_QUANTA: u32 = 64;
 
 impl FrameSettings {
-    /// Latency and threshold are checked where the average is made.
-    pub(super) fn check(&self) -> Result<()> {
+    /// # Errors
+    /// `InvalidSettings` for what is outside its range.
+    pub(in crate::baker) fn check(&self) -> Result<()> {
+        Average::new(self.tolerable_latency, self.decay_threshold)?;
         let in_flight = self.frames_in_flight;
         if !(1..=MOST_IN_FLIGHT).contains(&in_flight) {
             return Err(Error::settings(format!("frames in flight are {in_flight}; allowed is 1 to {MOST_IN_FLIGHT}")));

@@ -3,8 +3,9 @@
 use super::report::FrameId;
 use crate::error::{Error, Result};
 use crate::gpu::{Buffer, BufferDesc, Gpu, Image, Location, Recorder};
-use crate::scene::Sky;
+use crate::scene::{Sky, SkyMap};
 use ash::vk;
+use glam::Vec3;
 
 pub(super) struct SkyUpload {
     size: [u32; 2],
@@ -15,34 +16,36 @@ pub(super) struct SkyUpload {
 }
 
 impl SkyUpload {
-    pub(super) fn new(gpu: &Gpu, size: [u32; 2]) -> Result<Self> {
-        let pixels = vec![[0.0; 4]; size[0] as usize * size[1] as usize];
+    pub(super) fn new(gpu: &Gpu, map: &SkyMap) -> Result<Self> {
+        let size = [map.width, map.height];
+        let pixels: Vec<[f32; 4]> = map.pixels.iter().map(|pixel| pixel.extend(1.0).to_array()).collect();
         let bytes = size_of_val(pixels.as_slice()) as u64;
         let usage = vk::BufferUsageFlags::TRANSFER_SRC;
         let desc = BufferDesc { name: "sky staging", size: bytes, usage, location: Location::Upload };
         Ok(Self { size, pixels, staging: Buffer::new(gpu, desc)?, read_by: FrameId::default() })
     }
 
-    /// The sky has been checked.
-    pub(super) fn set(&mut self, sky: Sky) -> Result<()> {
+    /// The sky has been checked. Returns whether it is another one than before.
+    pub(super) fn set(&mut self, sky: Sky) -> Result<bool> {
+        let [width, height] = self.size;
         match sky {
-            Sky::Black => self.pixels.fill([0.0; 4]),
-            Sky::Constant(radiance) => self.pixels.fill(radiance.extend(1.0).to_array()),
-            Sky::Map(map) => {
-                let [width, height] = self.size;
-                if [map.width, map.height] != self.size {
-                    let found = [map.width, map.height];
-                    return Err(Error::settings(format!(
-                        "the sky map is {} x {}; allowed is the size that the scene was declared with, {width} x {height}",
-                        found[0], found[1]
-                    )));
-                }
-                for (pixel, radiance) in self.pixels.iter_mut().zip(&map.pixels) {
-                    *pixel = radiance.extend(1.0).to_array();
-                }
-            }
+            Sky::Black => Ok(self.replace(std::iter::repeat(Vec3::ZERO))),
+            Sky::Constant(radiance) => Ok(self.replace(std::iter::repeat(radiance))),
+            Sky::Map(map) if [map.width, map.height] == self.size => Ok(self.replace(map.pixels.into_iter())),
+            Sky::Map(map) => Err(Error::settings(format!(
+                "the sky map is {} x {}; allowed is the size that the scene was declared with, {width} x {height}",
+                map.width, map.height
+            ))),
         }
-        Ok(())
+    }
+
+    fn replace(&mut self, radiances: impl Iterator<Item = Vec3>) -> bool {
+        let mut changed = false;
+        for (pixel, radiance) in self.pixels.iter_mut().zip(radiances) {
+            let radiance = radiance.extend(1.0).to_array();
+            changed |= std::mem::replace(pixel, radiance) != radiance;
+        }
+        changed
     }
 
     /// `false`: an earlier frame still reads the memory that the copy goes through.

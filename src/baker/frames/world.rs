@@ -1,6 +1,8 @@
 //! The scene as it changes between frames: checked when it is told, written to the device with the next frame.
 
-use super::report::Ran;
+use super::report::{FrameId, Ran};
+use super::sky_map::SkyUpload;
+use crate::baker::setup::origin_offset;
 use crate::bvh::Bvh;
 use crate::error::{Error, Result};
 use crate::features::Features;
@@ -9,9 +11,7 @@ use crate::gpu::{Gpu, Recorder};
 use crate::pass::{DeviceScene, encode_light};
 use crate::scene::{Light, Mobility, Scene, Sky, check_light_quantity};
 use glam::{DAffine3, Vec3};
-
-use super::report::FrameId;
-use super::sky_map::SkyUpload;
+use std::ops::Range;
 
 bitflags::bitflags! {
     /// What the device does not know yet.
@@ -32,6 +32,8 @@ pub(in crate::baker) struct World {
     materials: usize,
     sky_map: Option<SkyUpload>,
     changes: Changes,
+    /// Instances whose records have changed.
+    touched: Range<usize>,
 }
 
 struct InstanceState {
@@ -48,9 +50,7 @@ impl World {
             present: true,
         };
         let sky_map = match scene.sky() {
-            Sky::Map(map) if features.contains(Features::SKY_MAP) => {
-                Some(SkyUpload::new(gpu, [map.width, map.height])?)
-            }
+            Sky::Map(map) if features.contains(Features::SKY_MAP) => Some(SkyUpload::new(gpu, map)?),
             _ => None,
         };
         Ok(Self {
@@ -60,6 +60,7 @@ impl World {
             sky_map,
             bvh,
             changes: Changes::empty(),
+            touched: 0..0,
         })
     }
 
@@ -75,9 +76,18 @@ impl World {
                 transform.translation
             )));
         }
-        self.bvh.place(instance, transform)?;
-        self.changes |= Changes::PLACING;
+        if self.bvh.place(instance, transform)? {
+            self.touch(instance);
+            // What is absent moves unseen.
+            self.changes
+                .set(Changes::PLACING, self.changes.contains(Changes::PLACING) || self.instances[instance].present);
+        }
         Ok(())
+    }
+
+    fn touch(&mut self, instance: usize) {
+        let Range { start, end } = self.touched;
+        self.touched = if start == end { instance..instance + 1 } else { start.min(instance)..end.max(instance + 1) };
     }
 
     pub(in crate::baker) fn set_present(&mut self, instance: usize, present: bool) -> Result<()> {
@@ -86,6 +96,7 @@ impl World {
         if state.present != present {
             state.present = present;
             self.bvh.set_present(instance, present);
+            self.touch(instance);
             self.changes |= Changes::PLACING;
         }
         Ok(())
@@ -95,8 +106,11 @@ impl World {
         let count = self.lights.len();
         let value = value.checked()?;
         let known = self.lights.get_mut(light).ok_or_else(|| unknown("light", light, count))?;
-        *known = encode_light(&value, self.bvh.centre);
-        self.changes |= Changes::LIGHTS;
+        let value = encode_light(&value, self.bvh.centre);
+        if *known != value {
+            *known = value;
+            self.changes |= Changes::LIGHTS;
+        }
         Ok(())
     }
 
@@ -110,24 +124,31 @@ impl World {
             return Err(unknown("material", material, self.materials));
         }
         check_light_quantity(|| format!("the emission of material {material}"), emission)?;
-        scene.radiators.set_emission(material, emission);
-        self.changes |= Changes::EMISSION;
+        if scene.radiators.set_emission(material, emission) {
+            self.changes |= Changes::EMISSION;
+        }
         Ok(())
     }
 
     pub(in crate::baker) fn set_sky(&mut self, push: &mut Push, sky: Sky) -> Result<()> {
         sky.check()?;
-        match (&mut self.sky_map, sky) {
-            (Some(upload), sky) => upload.set(sky)?,
-            (None, Sky::Map(_)) => {
+        let constant = match &sky {
+            Sky::Black => Vec3::ZERO,
+            Sky::Constant(radiance) => *radiance,
+            Sky::Map(_) if self.sky_map.is_none() => {
                 return Err(Error::settings(
                     "the sky is a map, but the scene was declared without one; allowed are black and constant skies",
                 ));
             }
-            (None, Sky::Black) => push.sky = [0.0; 3],
-            (None, Sky::Constant(radiance)) => push.sky = radiance.into(),
+            Sky::Map(_) => Vec3::ZERO,
+        };
+        let changed = match &mut self.sky_map {
+            Some(upload) => upload.set(sky)?,
+            None => std::mem::replace(&mut push.sky, constant.into()) != constant.to_array(),
+        };
+        if changed {
+            self.changes |= Changes::SKY;
         }
-        self.changes |= Changes::SKY;
         Ok(())
     }
 
@@ -136,15 +157,16 @@ impl World {
         &mut self,
         recorder: &mut Recorder<'_>,
         scene: &mut DeviceScene,
-        frame: FrameId,
-        completed: FrameId,
+        push: &mut Push,
+        [frame, completed]: [FrameId; 2],
     ) -> Result<(Changes, Ran)> {
         let changes = std::mem::take(&mut self.changes);
         let mut ran = Ran::empty();
         ran.set(Ran::UPDATE, !changes.is_empty());
         if changes.contains(Changes::PLACING) {
             self.bvh.rebuild_top_level();
-            scene.record_placing(recorder, &self.bvh)?;
+            scene.record_placing(recorder, &self.bvh, std::mem::take(&mut self.touched))?;
+            push.origin_offset = push.origin_offset.max(origin_offset(self.bvh.world_reach()));
             ran |= Ran::TOP_LEVEL;
         }
         if changes.contains(Changes::LIGHTS) {

@@ -4,9 +4,10 @@ use crate::arguments::Arguments;
 use crate::engine::{Commands, Device, Hosted, LightMapView, Timeline, frame_commands, timeline_point};
 use crate::motion::Pose;
 use crate::report::Setting;
+use crate::row::Phase;
 use crate::world::World;
 use lightoven::Result;
-use lightoven::baker::{BakeSettings, FrameReport, FrameSettings, MeasuredBy, Mode};
+use lightoven::baker::{BakeSettings, FrameReport, FrameSettings, Learning, MeasuredBy, Mode};
 use lightoven::scene::{Atlas, Resolution};
 use std::rc::Rc;
 use std::time::Duration;
@@ -61,6 +62,12 @@ impl Baking {
             resolution: baker.atlas().size.to_array(),
             texels: baker.statistics().texels,
         }
+    }
+
+    /// The overlap is measured with work that does not depend on what it takes.
+    pub(crate) fn set_phase(&mut self, phase: Phase) -> Result<()> {
+        let learning = if phase == Phase::Overlap { Learning::Held } else { Learning::On };
+        self.hosted.baker.set_learning(learning)
     }
 
     /// Tells the library what has moved.

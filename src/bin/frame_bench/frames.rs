@@ -45,6 +45,7 @@ impl Frames {
 
     /// Runs a frame and waits for it.
     pub(crate) fn run(&mut self, phase: Phase, case: Case, budget: Duration) -> Result<Row> {
+        self.baking.set_phase(phase)?;
         let pose = self.world.motion.at(self.count);
         self.count += 1;
         let [width, height] = self.picture;

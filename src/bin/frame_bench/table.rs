@@ -17,7 +17,7 @@ pub(crate) fn text(report: &Report) -> String {
     let _ = writeln!(text);
     let _ = writeln!(
         text,
-        "{:>9} {:>7}  {:^24}  {:^24}  {:^24}  {:>5} {:>9} {:>10} {:>13}",
+        "{:>9} {:>7}  {:^24}  {:^24}  {:^24}  {:>5} {:>9} {:>8} {:>10} {:>13}",
         "budget ms",
         "frames",
         "bake ms",
@@ -25,6 +25,7 @@ pub(crate) fn text(report: &Report) -> String {
         "raster only ms",
         "use",
         "p95/budg.",
+        "unit ms",
         "rays/frame",
         "samples/texel"
     );
@@ -46,7 +47,7 @@ fn budget_line(budget: &Budget) -> String {
     };
     let number = |value: Option<f64>, decimals: usize| value.map_or("-".into(), |value| format!("{value:.decimals$}"));
     format!(
-        "{:>9} {:>7}  {}  {}  {}  {:>5} {:>9} {:>10} {:>13}\n",
+        "{:>9} {:>7}  {}  {}  {}  {:>5} {:>9} {:>8} {:>10} {:>13}\n",
         budget.budget_ms,
         budget.frames,
         triple(budget.bake_ms),
@@ -54,6 +55,7 @@ fn budget_line(budget: &Budget) -> String {
         triple(budget.raster_only_ms),
         number(budget.used, 2),
         number(budget.overshoot_p95, 2),
+        number(budget.one_unit_ms, 2),
         number(budget.rays_per_frame, 0),
         number(budget.samples_per_texel_per_frame, 3),
     )

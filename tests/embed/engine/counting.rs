@@ -145,6 +145,26 @@ counted! {
         (device: vk::Device, info: *const vk::ImageCreateInfo<'_>, a: *const Allocator, out: *mut vk::Image) -> vk::Result;
     c"vkCreateDescriptorPool" descriptors PFN_vkCreateDescriptorPool objects
         (device: vk::Device, info: *const vk::DescriptorPoolCreateInfo<'_>, a: *const Allocator, out: *mut vk::DescriptorPool) -> vk::Result;
+    c"vkCreateImageView" view PFN_vkCreateImageView objects
+        (device: vk::Device, info: *const vk::ImageViewCreateInfo<'_>, a: *const Allocator, out: *mut vk::ImageView) -> vk::Result;
+    c"vkCreateCommandPool" command_pool PFN_vkCreateCommandPool objects
+        (device: vk::Device, info: *const vk::CommandPoolCreateInfo<'_>, a: *const Allocator, out: *mut vk::CommandPool) -> vk::Result;
+    c"vkCreateQueryPool" query_pool PFN_vkCreateQueryPool objects
+        (device: vk::Device, info: *const vk::QueryPoolCreateInfo<'_>, a: *const Allocator, out: *mut vk::QueryPool) -> vk::Result;
+    c"vkCreateFence" fence PFN_vkCreateFence objects
+        (device: vk::Device, info: *const vk::FenceCreateInfo<'_>, a: *const Allocator, out: *mut vk::Fence) -> vk::Result;
+    c"vkCreateSemaphore" semaphore PFN_vkCreateSemaphore objects
+        (device: vk::Device, info: *const vk::SemaphoreCreateInfo<'_>, a: *const Allocator, out: *mut vk::Semaphore) -> vk::Result;
+    c"vkCreateSampler" sampler PFN_vkCreateSampler objects
+        (device: vk::Device, info: *const vk::SamplerCreateInfo<'_>, a: *const Allocator, out: *mut vk::Sampler) -> vk::Result;
+    c"vkCreateShaderModule" module PFN_vkCreateShaderModule objects
+        (device: vk::Device, info: *const vk::ShaderModuleCreateInfo<'_>, a: *const Allocator, out: *mut vk::ShaderModule) -> vk::Result;
+    c"vkCreatePipelineLayout" pipeline_layout PFN_vkCreatePipelineLayout objects
+        (device: vk::Device, info: *const vk::PipelineLayoutCreateInfo<'_>, a: *const Allocator, out: *mut vk::PipelineLayout) -> vk::Result;
+    c"vkCreateAccelerationStructureKHR" structure PFN_vkCreateAccelerationStructureKHR objects
+        (device: vk::Device, info: *const vk::AccelerationStructureCreateInfoKHR<'_>, a: *const Allocator, out: *mut vk::AccelerationStructureKHR) -> vk::Result;
+    c"vkAllocateDescriptorSets" sets PFN_vkAllocateDescriptorSets objects
+        (device: vk::Device, info: *const vk::DescriptorSetAllocateInfo<'_>, out: *mut vk::DescriptorSet) -> vk::Result;
     c"vkAllocateCommandBuffers" commands PFN_vkAllocateCommandBuffers objects
         (device: vk::Device, info: *const vk::CommandBufferAllocateInfo<'_>, out: *mut vk::CommandBuffer) -> vk::Result;
 }

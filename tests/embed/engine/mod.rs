@@ -61,9 +61,7 @@ impl Engine {
             let requirements = match Gpu::requirements(get, instance.handle(), physical_device, backend) {
                 Ok(requirements) => requirements,
                 Err(error) => {
-                    let required = std::env::var("LIGHTOVEN_REQUIRE").is_ok_and(|required| required == "ray_query");
-                    assert!(backend == BackendChoice::RayQuery && !required, "{error}");
-                    println!("skipped: {error}");
+                    skip_or_fail(backend, &error);
                     ext::debug_utils::Instance::new(&entry, &instance).destroy_debug_utils_messenger(messenger, None);
                     instance.destroy_instance(None);
                     return None;
@@ -226,6 +224,12 @@ impl Engine {
             assert_eq!(messages, Vec::<String>::new());
         }
     }
+}
+
+fn skip_or_fail(backend: BackendChoice, error: &lightoven::Error) {
+    let required = std::env::var("LIGHTOVEN_REQUIRE").is_ok_and(|required| required == "ray_query");
+    assert!(backend == BackendChoice::RayQuery && !required, "{error}");
+    println!("skipped: {error}");
 }
 
 type Watched = (ash::Instance, vk::DebugUtilsMessengerEXT, Box<Mutex<Vec<String>>>);
