@@ -36,6 +36,10 @@ pub(crate) struct History {
 /// Bound of what a history weighs, so that f32 holds it; as good as infinite.
 const MOST_WEIGHT_QUANTA: f64 = 1e30;
 
+/// Power of the age with which old light leaves once `exp` of its negative is left, a hundredth. Of n samples since the
+/// change 2 / power - 1 / power^2 count, two in five; a power of 2.3 would keep two in three, and old light for longer.
+const FADING_POWER: f64 = 4.6;
+
 impl Average {
     /// After `tolerable_latency` the old light's share is `decay_threshold`. `ZERO`: no history; `MAX`: the plain mean.
     ///
@@ -49,6 +53,23 @@ impl Average {
         let never = tolerable_latency == Duration::MAX;
         let latency_s = if never { f64::INFINITY } else { tolerable_latency.as_secs_f64() };
         Ok(Self { latency_s, ln_threshold: decay_threshold.ln() })
+    }
+
+    /// What holds this long after the last change. Old light leaves as the latency has it, until little is left; then the
+    /// average's memory grows with the age, so that its noise falls almost as that of a plain mean, and what is left goes on
+    /// leaving, as a power of the age: light of ten thousand times the new is below a hundredth of it after 16 latencies.
+    pub(crate) fn after(&self, age_s: f64) -> Self {
+        if self.latency_s == 0.0 || !(age_s > 0.0) {
+            return *self;
+        }
+        Self { latency_s: self.latency_s.max(age_s * -self.ln_threshold / FADING_POWER), ..*self }
+    }
+
+    /// Age at which of the light before the last change `share` (below a hundredth) is left; 0 where it never leaves.
+    pub(crate) fn age_of(&self, share: f64) -> f64 {
+        let constant_s = FADING_POWER * self.latency_s / -self.ln_threshold;
+        let age_s = constant_s * ((-share.ln() - FADING_POWER) / FADING_POWER).exp();
+        if age_s.is_finite() { age_s } else { 0.0 }
     }
 
     /// Share of the old average that is left after `dt_s` seconds; negative times and NaN count as 0.
@@ -251,6 +272,43 @@ mod tests {
             assert_eq!(split.visit(&average(LATENCY_S), elapsed_s, 1, World::Still), kept + f64::from(k));
         }
         assert_eq!(whole, split);
+    }
+
+    /// Day turns to night: what is left is what was said, and goes on leaving.
+    #[test]
+    fn strong_old_light_leaves_in_the_end() {
+        let average = average(LATENCY_S);
+        let (mut history, mut light) = (still(1000), 1.0);
+        let (dt_s, mut shares) = (1.0 / 60.0, Vec::new());
+        for frame in 1..=60 * 40 {
+            let age_s = f64::from(frame) * dt_s;
+            let kept = history.visit(&average.after(age_s), dt_s, 1, World::Changing);
+            merge(&mut light, kept, 1, 0.0);
+            if [30, 60, 480, 1080, 2400].contains(&frame) {
+                shares.push(light);
+            }
+        }
+        // Of a latency, two, eight seconds, eighteen, forty: th, th^2, then as age^-4.6.
+        for (share, expected) in shares.iter().zip([0.1, 0.01, 7e-7, 1.7e-8, 4.3e-10]) {
+            assert!((share / expected - 1.0).abs() < 0.15, "{shares:?}");
+        }
+        let age_s = average.age_of(1e-9);
+        assert!(age_s > 18.0 && age_s < 40.0, "{age_s}");
+        assert_eq!(Average::new(Duration::MAX, 0.5).expect("is allowed").age_of(1e-9), 0.0);
+    }
+
+    /// Two in five samples count while the memory grows.
+    #[test]
+    fn noise_falls_while_old_light_leaves() {
+        let average = average(LATENCY_S);
+        let (mut history, mut squares) = (History::default(), 0.0);
+        for frame in 1..=60 * 30 {
+            let kept = history.visit(&average.after(f64::from(frame) / 60.0), 1.0 / 60.0, 1, World::Changing);
+            let weight = 1.0 / (kept + 1.0);
+            squares = squares * (1.0 - weight) * (1.0 - weight) + weight * weight;
+        }
+        let effective = 1.0 / squares / (60.0 * 30.0);
+        assert!((effective - 0.39).abs() < 0.03, "{effective}");
     }
 
     /// With constant steps: `N <- d * N + s`, also where still samples came before.

@@ -221,8 +221,8 @@ impl Baker {
     ///
     /// # Errors
     /// `InvalidSettings`: an instance that does not exist or was not declared [`crate::scene::Mobility::Movable`], a
-    /// transform that is singular or not finite. `Unsupported`: it moved so far away, some 16 times the scene's extent, that
-    /// the hierarchy is no longer precise enough.
+    /// transform that is singular or not finite. `Unsupported`: it moved so far away, or shrank so far beside the scene,
+    /// that the hierarchy is no longer precise enough: by some 16 times the scene's half extent.
     pub fn set_transform(&mut self, instance: usize, object_to_world: DAffine3) -> Result<()> {
         self.frames()?.0.world.set_transform(instance, &object_to_world)
     }

@@ -202,26 +202,31 @@ impl Bvh {
     fn check_placing(&mut self, moved: usize) -> Result<()> {
         let Some(bounds) = self.placed_box(moved) else { return Ok(()) };
         let known = self.placing.world.unwrap_or(bounds);
-        let world = known.union(bounds);
-        encode::check_reach(|| format!("instance {moved}"), world.reach())?;
-        let check = |instance: usize| {
-            let Some(level) = self.level(instance) else { return Ok(()) };
-            let reach = world.transformed(&self.placing.transforms[instance].inverse()).reach();
-            if reach <= level.reach * REACH_SLACK {
-                return Ok(());
-            }
-            let what = format!(
-                "instance {moved} moved too far away, or became too small: seen from instance {instance} the scene \
-                 reaches the coordinate {reach:e}; build the scene anew"
-            );
-            Err(Error::new(ErrorKind::Unsupported, what))
-        };
-        if known.holds(bounds) {
-            return check(moved);
+        if known.holds(bounds) && self.check_reach(moved, moved, known).is_ok() {
+            return Ok(());
         }
-        (0..self.instances.len()).try_for_each(check)?;
+        // What came home again no longer counts.
+        let boxes = (0..self.instances.len()).filter_map(|instance| self.placed_box(instance));
+        let world = boxes.reduce(Bounds::union).unwrap_or(bounds);
+        encode::check_reach(|| format!("instance {moved}"), world.reach())?;
+        (0..self.instances.len()).try_for_each(|instance| self.check_reach(moved, instance, world))?;
         self.placing.world = Some(world);
         Ok(())
+    }
+
+    /// Whether the boxes of an instance's mesh are wide enough for rays from anywhere in the world.
+    fn check_reach(&self, moved: usize, instance: usize, world: Bounds) -> Result<()> {
+        let Some(level) = self.level(instance) else { return Ok(()) };
+        let reach = world.transformed(&self.placing.transforms[instance].inverse()).reach();
+        if reach <= level.reach * REACH_SLACK {
+            return Ok(());
+        }
+        let what = format!(
+            "instance {moved} moved too far away, or became too small: seen from instance {instance} the scene reaches the \
+             coordinate {reach:e}, allowed is {:e}; build the scene anew",
+            level.reach * REACH_SLACK
+        );
+        Err(Error::new(ErrorKind::Unsupported, what))
     }
 
     fn gather_leaves(&mut self) {

@@ -126,7 +126,7 @@ fn what_is_told_again_is_no_change() {
     };
     for _ in 0..150 {
         tell(&mut live);
-        let report = live.frame(1.0 / 60.0, AMPLE);
+        let report = live.frame(0.5, AMPLE);
         assert!(!report.ran.intersects(Ran::UPDATE | Ran::TOP_LEVEL | Ran::DIRECT), "{:?}", report.ran);
     }
     assert!(!live.frame(1.0 / 60.0, AMPLE).decaying);
@@ -149,15 +149,15 @@ fn time_that_is_set_back_stands_still() {
     // The beginning decays, however late its clock.
     assert!(frame(&mut live, 1000.0).decaying);
     for step in 0..200 {
-        frame(&mut live, 1000.0 + 0.02 * f64::from(step));
+        frame(&mut live, 1000.0 + 0.2 * f64::from(step));
     }
-    assert!(!frame(&mut live, 1004.0).decaying);
+    assert!(!frame(&mut live, 1040.0).decaying);
     live.baker.set_emission(1, glam::Vec3::ONE).unwrap();
     assert!(frame(&mut live, 0.0).decaying);
     for step in 0..200 {
-        frame(&mut live, 0.02 * f64::from(step));
+        frame(&mut live, 0.2 * f64::from(step));
     }
-    assert!(!frame(&mut live, 4.0).decaying, "four seconds after the clock was set back");
+    assert!(!frame(&mut live, 40.0).decaying, "40 s after the clock was set back");
     live.finish();
 }
 

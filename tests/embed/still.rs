@@ -31,9 +31,9 @@ fn as_a_static_bake(backend: BackendChoice) {
     let Some(mut live) = Live::new(backend, &scene, FrameSettings::default()) else { return };
     live.warm_up();
     // Until the beginning has left, then a mean that lasts.
-    live.frames(300, 1.0 / 60.0);
-    assert!(!live.frame(1.0 / 60.0, AMPLE).decaying);
-    live.frames(100, 1.0 / 60.0);
+    live.frames(200, 0.2);
+    assert!(!live.frame(0.2, AMPLE).decaying);
+    live.frames(200, 0.2);
     let all = texels(0..8);
     let dynamic = live.irradiance(&all);
     let settings = BakeSettings { resolution: Resolution::Texels(SIDE), ..BakeSettings::default() };
@@ -90,6 +90,27 @@ fn the_sky_changes() {
         }
         live.finish();
     }
+}
+
+/// A day of ten thousand times the night is gone in the end, and not frozen into the mean of the night.
+#[test]
+fn day_turns_to_night() {
+    let mut stage = Stage::new();
+    let black = stage.material(0.0, 0.0);
+    stage.sky(1e4);
+    let scene = stage.with(&[level_square(1.0, 0.0, Facing::Up, Chart::large(0), black)]);
+    let Some(mut live) = Live::new(BackendChoice::Software, &scene, FrameSettings::default()) else { return };
+    live.warm_up();
+    live.frames(300, 0.2);
+    live.baker.set_sky(Sky::Constant(Vec3::ONE)).unwrap();
+    // The last is what 32 bits tell of an average this long.
+    for (seconds, most) in [(8, 0.02), (12, 4e-4), (40, 2e-4)] {
+        live.frames(seconds * 30, 1.0 / 30.0);
+        let over = live.mean(&texels(0..1)) / std::f64::consts::PI - 1.0;
+        println!("{seconds} s more: {over:.6} of the night too bright");
+        assert!(over.abs() < most, "{over}");
+    }
+    live.finish();
 }
 
 /// By slices of a millisecond and by unlimited ones: the same bits, of a static bake and of frames.

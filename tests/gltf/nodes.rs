@@ -91,7 +91,12 @@ fn what_an_animation_moves_is_movable() {
     ]);
     builder.root["scenes"] = json!([{ "nodes": [0, 2, 3] }]);
     let channel = |node: u32, path: &str| json!({ "sampler": 0, "target": { "node": node, "path": path } });
-    let channels = [channel(0, "rotation"), channel(3, "weights"), channel(99, "translation")];
+    let channels = [
+        channel(0, "rotation"),
+        channel(3, "weights"),
+        channel(99, "translation"),
+        json!({ "sampler": 0, "target": { "path": "pointer" } }),
+    ];
     builder.root["animations"] = json!([{ "channels": channels, "samplers": [{ "input": 0, "output": 0 }] }]);
     let scene = scene(&builder);
     let mobilities: Vec<_> = scene.instances().iter().map(|i| (i.name.as_str(), i.mobility)).collect();

@@ -111,9 +111,7 @@ impl Frames {
             fixed_quanta: settings.quanta,
         };
         let max_albedo = scene.materials().iter().map(|material| material.albedo.max_element()).fold(0.0, f32::max);
-        let latency_s = settings.tolerable_latency.as_secs_f64();
-        let latency_s = if settings.tolerable_latency == Duration::MAX { f64::INFINITY } else { latency_s };
-        let settling = Settling::new(latency_s, settings.decay_threshold, f64::from(max_albedo));
+        let settling = Settling::new(&average, f64::from(max_albedo));
         Ok(Self {
             settings,
             passes,
@@ -262,6 +260,7 @@ impl Frames {
             self.quanta = work.quanta;
         }
         let world = self.settling.world(now_s, self.sweeps);
+        let average = self.average.after(self.settling.age_s(now_s));
         let push = Push { strata_side: STRATA_SIDE, first_sample: self.first_sample, ..core.push };
         let mut first = work.items.start;
         let mut history = None;
@@ -270,7 +269,7 @@ impl Frames {
             let tile = &mut self.tiles[item as usize];
             let elapsed_s = now_s - tile.visited_s;
             tile.visited_s = now_s;
-            let weight = tile.history.visit(&self.average, elapsed_s, work.quanta, world) as f32;
+            let weight = tile.history.visit(&average, elapsed_s, work.quanta, world) as f32;
             if let Some(history) = history.replace(weight).filter(|history| *history != weight) {
                 let texels = texels_of(core, &(first..item));
                 let push = Push { history, ..push };

@@ -153,13 +153,19 @@ impl Budget {
     }
 }
 
+/// Drawing and baking have to be this much alike for what they hide of each other to be told from noise.
+const LEAST_SHARE: f64 = 0.05;
+
 impl Overlap {
-    /// `None` where a case has no frames.
+    /// `None` where a case has no frames, or next to nothing could be hidden.
     fn new(rows: &[Row], seed: u64) -> Option<Self> {
         let of = |case| measured(rows, Phase::Overlap, case);
         let [raster, bake, both] = Case::ALL.map(|case| of(case).map(|row| row.frame_ms).collect::<Vec<_>>());
         let frames = [raster.len(), bake.len(), both.len()];
         let (raster_frame_ms, bake_frame_ms, both_frame_ms) = (median(&raster)?, median(&bake)?, median(&both)?);
+        if raster_frame_ms.min(bake_frame_ms) < LEAST_SHARE * raster_frame_ms.max(bake_frame_ms) {
+            return None;
+        }
         let raster_ms = |case| median(&of(case).filter_map(|row| row.raster_ms).collect::<Vec<_>>());
         let frame_slowdown = both_frame_ms / raster_frame_ms;
         let raster_slowdown = match (raster_ms(Case::Both), raster_ms(Case::Raster)) {

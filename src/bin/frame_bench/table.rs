@@ -34,8 +34,11 @@ pub(crate) fn text(report: &Report) -> String {
     for budget in &report.budgets {
         text.push_str(&budget_line(budget));
     }
-    if let Some(overlap) = &report.overlap {
-        text.push_str(&overlap_lines(overlap));
+    match &report.overlap {
+        Some(overlap) => text.push_str(&overlap_lines(overlap)),
+        None => {
+            text.push_str("\noverlap  not measurable: one of the two takes next to no time, or frames are missing\n")
+        }
     }
     text
 }

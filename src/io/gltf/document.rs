@@ -17,7 +17,7 @@ const MAX_LISTED: usize = 4;
 /// Parses the JSON. Afterwards every index in what the reader looks at is in range and every enumeration is known.
 pub(super) fn parse(path: &Path, json: &[u8]) -> Result<Document> {
     let file = path.display();
-    let root = match Root::from_slice(json) {
+    let root = match Root::from_slice(json).or_else(|error| without_untargeted_channels(json).ok_or(error)) {
         Ok(root) => root,
         Err(error) => {
             // Where JSON does not fit, the version or an extension may be why, and is then the better message.
@@ -40,6 +40,19 @@ pub(super) fn parse(path: &Path, json: &[u8]) -> Result<Document> {
         more => format!("; and {more} more"),
     };
     Err(Error::scene(format!("'{file}' is not valid glTF: {listed}{more}")))
+}
+
+/// The document without animation channels that name no node: they are to be ignored, and the crate does not know them.
+/// `None`: there are none, or that does not help.
+fn without_untargeted_channels(json: &[u8]) -> Option<Root> {
+    let mut value = json::deserialize::from_slice::<Value>(json).ok()?;
+    let animations = value.get_mut("animations")?.as_array_mut()?;
+    for animation in animations.iter_mut() {
+        if let Some(channels) = animation.get_mut("channels").and_then(Value::as_array_mut) {
+            channels.retain(|channel| channel.pointer("/target/node").is_some());
+        }
+    }
+    json::deserialize::from_value(value).ok()
 }
 
 fn check_raw_requirements(path: &Path, value: &Value) -> Result<()> {
