@@ -103,8 +103,8 @@ fn day_turns_to_night() {
     live.warm_up();
     live.frames(300, 0.2);
     live.baker.set_sky(Sky::Constant(Vec3::ONE)).unwrap();
-    // The last is what 32 bits tell of an average this long.
-    for (seconds, most) in [(8, 0.02), (12, 4e-4), (40, 2e-4)] {
+    // At the end it is what 32 bits tell: without noise to dither them, changes below a step of some 1e4 quanta are lost.
+    for (seconds, most) in [(8, 0.02), (12, 1e-3), (40, 1e-3)] {
         live.frames(seconds * 30, 1.0 / 30.0);
         let over = live.mean(&texels(0..1)) / std::f64::consts::PI - 1.0;
         println!("{seconds} s more: {over:.6} of the night too bright");
