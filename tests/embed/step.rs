@@ -221,6 +221,27 @@ fn bounces_are_not_filtered() {
     }
 }
 
+/// A tile whose turn comes only when the scene counts as still again has not seen the change, and forgets all the same.
+#[test]
+fn a_late_turn_forgets_all_the_same() {
+    let latency = Duration::from_millis(1);
+    let frames = FrameSettings { tolerable_latency: latency, quanta: Some(4), ..FrameSettings::default() };
+    let Some(mut live) = Live::new(BackendChoice::Software, &lamp_over(Chart::large(0)), frames) else { return };
+    live.warm_up();
+    live.frames(10, 1.0);
+    live.baker.set_emission(1, Vec3::ZERO).unwrap();
+    let sweeps = live.frame(1.0, Duration::from_micros(100)).sweeps;
+    let mut count = 0;
+    while live.baker.light_map().sweeps < sweeps + 3 {
+        live.frame(1.0, Duration::from_micros(400));
+        count += 1;
+    }
+    let left = live.mean(&texels(Chart::large(0)));
+    println!("{left} left after three sweeps in {count} frames");
+    assert!(count > 3 && left < 1e-6, "{left}");
+    live.finish();
+}
+
 /// Any latency and any frame rate: the average stays a number, and that of the light.
 #[test]
 fn extreme_latencies_and_times() {

@@ -82,6 +82,8 @@ struct Passes {
 struct Tile {
     history: History,
     visited_s: f64,
+    /// Changes that had been when it was visited.
+    changes: u64,
 }
 
 /// Time as the engine tells it: only how it goes forward counts.
@@ -260,16 +262,15 @@ impl Frames {
             self.quanta = work.quanta;
         }
         let world = self.settling.world(now_s, self.sweeps);
-        let average = self.average.after(self.settling.age_s(now_s));
         let push = Push { strata_side: STRATA_SIDE, first_sample: self.first_sample, ..core.push };
         let mut first = work.items.start;
         let mut history = None;
         // Tiles that were last visited together weigh their history alike, and go in one dispatch.
         for item in work.items.clone() {
             let tile = &mut self.tiles[item as usize];
-            let elapsed_s = now_s - tile.visited_s;
-            tile.visited_s = now_s;
-            let weight = tile.history.visit(&average, elapsed_s, work.quanta, world) as f32;
+            let (average, world) = self.settling.of_tile(&self.average, tile.visited_s, tile.changes, world);
+            let weight = tile.history.visit(&average, now_s - tile.visited_s, work.quanta, world) as f32;
+            (tile.visited_s, tile.changes) = (now_s, self.settling.changes());
             if let Some(history) = history.replace(weight).filter(|history| *history != weight) {
                 let texels = texels_of(core, &(first..item));
                 let push = Push { history, ..push };
