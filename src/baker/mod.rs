@@ -285,7 +285,7 @@ impl Baker {
     /// # Errors
     /// `InvalidSettings` without [`Mode::Frames`].
     pub fn set_learning(&mut self, learning: Learning) -> Result<()> {
-        self.frames()?.0.learning = learning;
+        self.frames()?.0.set_learning(learning);
         Ok(())
     }
 

@@ -59,6 +59,11 @@ impl Cost {
         Self { unit, sums: Sums::default(), measurements: 0, fixed_s: FIXED_S, per_unit_s, spike: 1.0 }
     }
 
+    /// Forgets the present spike.
+    pub(crate) fn calm(&mut self) {
+        self.spike = 1.0;
+    }
+
     /// Seconds of a dispatch of this much work.
     pub(crate) fn predicted(&self, work: f64) -> f64 {
         self.fit(work) * self.spike

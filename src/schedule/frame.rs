@@ -313,6 +313,11 @@ impl FrameScheduler {
         self.stages[Stage::Gather as usize].cost.predicted(f64::from(TILE) * RAYS)
     }
 
+    /// Forgets present spikes: for plans that are to stay as they are.
+    pub(crate) fn calm(&mut self) {
+        self.stages.iter_mut().for_each(|stage| stage.cost.calm());
+    }
+
     /// What a dispatch took. The first use of a pipeline is ignored: it may hold the compilation.
     pub(crate) fn measured(&mut self, work: &Work, seconds: f64, first_use: bool) {
         if first_use {

@@ -67,7 +67,7 @@ pub(super) struct Frames {
     update_s: f64,
     /// When frames were last reported complete.
     reported_at: Option<Instant>,
-    pub(super) learning: Learning,
+    learning: Learning,
 }
 
 struct Passes {
@@ -323,6 +323,13 @@ impl Frames {
     /// The newest finished light map.
     pub(super) fn light_map(&self) -> Shown {
         self.published.current()
+    }
+
+    pub(super) fn set_learning(&mut self, learning: Learning) {
+        if learning == Learning::Held {
+            self.scheduler.calm();
+        }
+        self.learning = learning;
     }
 
     pub(super) fn set_time(&mut self, now: Duration) {
