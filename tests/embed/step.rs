@@ -3,7 +3,7 @@
 use crate::live::{AMPLE, Live};
 use crate::stage::{Chart, Facing, Quad, Stage, level_square, room};
 use glam::{DAffine3, DVec3, Vec3};
-use lightoven::baker::{FrameSettings, Ran};
+use lightoven::baker::{FrameSettings, Learning, Ran};
 use lightoven::gpu::BackendChoice;
 use lightoven::scene::{Mobility, Scene};
 use std::time::Duration;
@@ -125,6 +125,13 @@ fn old_light_leaves_a_tile_that_is_visited_unevenly() {
     live.finish();
 }
 
+/// A budget for about so many tiles of a quantum each, whatever else the machine does: the cost model is held.
+fn budget_of_tiles(live: &mut Live, tiles: u32) -> Duration {
+    live.warm_up();
+    live.baker.set_learning(Learning::Held).unwrap();
+    live.frame(0.0, AMPLE).one_unit * tiles
+}
+
 /// A budget for a part of the map: tiles take turns. A tile is dark no sooner than it is visited, so that a turn is
 /// allowed for besides the 2 %.
 #[test]
@@ -132,13 +139,13 @@ fn old_light_leaves_tiles_that_take_turns() {
     let frames =
         FrameSettings { tolerable_latency: Duration::from_secs(10), quanta: Some(4), ..FrameSettings::default() };
     let Some(mut live) = Live::new(BackendChoice::Software, &lamp_over(Chart::large(0)), frames) else { return };
-    let budget = Duration::from_micros(1500);
+    let budget = budget_of_tiles(&mut live, 5);
     let before = live.frame(0.0, budget).sweeps;
     let left = left_after(&mut live, &[0.01; 2500], &[0.01; 1000], budget);
     let sweeps = live.frame(0.0, Duration::ZERO).sweeps - before;
     let turn = 3500.0 / sweeps as f64;
     println!("a turn takes {turn:.1} frames of 1,000");
-    assert!(turn > 1.5 && turn < 10.0, "the tiles did not take turns");
+    assert!(turn > 1.5 && turn < 8.0, "the tiles did not take turns");
     check("tiles that take turns", &left, 0.02 + 2.0 * turn * 1e-3 * 10.0_f64.ln());
     live.finish();
 }
@@ -227,13 +234,20 @@ fn a_late_turn_forgets_all_the_same() {
     let latency = Duration::from_millis(1);
     let frames = FrameSettings { tolerable_latency: latency, quanta: Some(4), ..FrameSettings::default() };
     let Some(mut live) = Live::new(BackendChoice::Software, &lamp_over(Chart::large(0)), frames) else { return };
-    live.warm_up();
-    live.frames(10, 1.0);
+    let budget = budget_of_tiles(&mut live, 4);
+    // In the midst of a sweep: a frame with rays that does not end one.
+    let mut report = live.frame(1.0, budget);
+    for _ in 0..100 {
+        let before = report.sweeps;
+        report = live.frame(1.0, budget);
+        if report.rays > 0 && report.sweeps == before {
+            break;
+        }
+    }
     live.baker.set_emission(1, Vec3::ZERO).unwrap();
-    let sweeps = live.frame(1.0, Duration::from_micros(100)).sweeps;
     let mut count = 0;
-    while live.baker.light_map().sweeps < sweeps + 3 {
-        live.frame(1.0, Duration::from_micros(400));
+    while live.baker.light_map().sweeps < report.sweeps + 3 {
+        live.frame(1.0, budget);
         count += 1;
     }
     let left = live.mean(&texels(Chart::large(0)));
