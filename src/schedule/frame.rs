@@ -203,13 +203,16 @@ impl FrameScheduler {
         if let Some(quanta) = self.extent.fixed_quanta {
             return quanta.max(1);
         }
-        let wanted = in_step(sweeps).unwrap_or(sweeps.ceil());
+        let whole = in_step(sweeps);
+        let wanted = whole.unwrap_or(sweeps.ceil());
         let gather = &self.stages[Stage::Gather as usize];
         let (fixed_s, per_work_s) = (gather.cost.fixed_s(), gather.cost.per_work_s());
         // A tile is not cut: it has to fit into a dispatch, and into what a frame may grow to.
         let tile_work = RAYS * f64::from(self.tiles.texels(0));
         let fitting = ((most_s - fixed_s) / (tile_work * self.tiles.largest() * per_work_s)).floor();
-        let reached = (gather.reach() / tile_work).floor();
+        // Whole sweeps stay whole while they grow again after a spike.
+        let least_work = if whole.is_some() { RAYS * f64::from(self.extent.texels) } else { tile_work };
+        let reached = (gather.reach() / least_work).floor();
         wanted.min(fitting).min(reached).clamp(1.0, MOST_QUANTA) as u32
     }
 

@@ -97,7 +97,7 @@ fn old_light_leaves_a_tile_that_is_visited_unevenly() {
     let Some(mut live) = Live::new(BackendChoice::Software, &lamp_over(chart), frames) else { return };
     let texels = texels(chart);
     let times = irregular(7);
-    let budget = budget_of_tiles(&mut live, 1) / 2;
+    let budget = budget_of_turns(&mut live);
     let (mut now_s, mut lit_s) = (0.0, 0.0);
     for elapsed_s in times.iter().cycle().take(2000) {
         now_s += elapsed_s;
@@ -125,11 +125,22 @@ fn old_light_leaves_a_tile_that_is_visited_unevenly() {
     live.finish();
 }
 
-/// A budget for about so many tiles of a quantum each, whatever else the machine does: the cost model is held.
-fn budget_of_tiles(live: &mut Live, tiles: u32) -> Duration {
+/// A budget with which a sweep takes some frames, 2 to 6, whatever else the machine does: the cost model is held, and
+/// budgets are tried.
+fn budget_of_turns(live: &mut Live) -> Duration {
     live.warm_up();
     live.baker.set_learning(Learning::Held).unwrap();
-    live.frame(0.0, AMPLE).one_unit * tiles
+    let mut budget = live.frame(0.0, AMPLE).one_unit * 4;
+    for _ in 0..60 {
+        let before = live.frame(0.0, budget).sweeps;
+        let after = (0..30).map(|_| live.frame(0.0, budget).sweeps).last().unwrap();
+        match after - before {
+            0..5 => budget = budget.mul_f64(1.3),
+            5..=15 => return budget,
+            _ => budget = budget.mul_f64(0.8),
+        }
+    }
+    panic!("no budget gives a sweep in 2 to 6 frames");
 }
 
 /// A budget for a part of the map: tiles take turns. A tile is dark no sooner than it is visited, so that a turn is
@@ -139,7 +150,7 @@ fn old_light_leaves_tiles_that_take_turns() {
     let frames =
         FrameSettings { tolerable_latency: Duration::from_secs(10), quanta: Some(4), ..FrameSettings::default() };
     let Some(mut live) = Live::new(BackendChoice::Software, &lamp_over(Chart::large(0)), frames) else { return };
-    let budget = budget_of_tiles(&mut live, 5);
+    let budget = budget_of_turns(&mut live);
     let before = live.frame(0.0, budget).sweeps;
     let left = left_after(&mut live, &[0.01; 2500], &[0.01; 1000], budget);
     let sweeps = live.frame(0.0, Duration::ZERO).sweeps - before;
@@ -234,7 +245,7 @@ fn a_late_turn_forgets_all_the_same() {
     let latency = Duration::from_millis(1);
     let frames = FrameSettings { tolerable_latency: latency, quanta: Some(4), ..FrameSettings::default() };
     let Some(mut live) = Live::new(BackendChoice::Software, &lamp_over(Chart::large(0)), frames) else { return };
-    let budget = budget_of_tiles(&mut live, 4);
+    let budget = budget_of_turns(&mut live);
     // In the midst of a sweep: a frame with rays that does not end one.
     let mut report = live.frame(1.0, budget);
     for _ in 0..100 {
