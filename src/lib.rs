@@ -38,6 +38,7 @@ pub mod gpu;
 pub mod headless;
 pub mod io;
 mod pass;
+mod sampling;
 pub mod scene;
 mod schedule;
 mod temporal;

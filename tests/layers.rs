@@ -10,14 +10,14 @@ const LAYERS: [&[&str]; 8] = [
     &["error"],
     &["scene"],
     &["bvh"],
-    &["features", "epochs", "schedule", "temporal"],
+    &["features", "epochs", "sampling", "schedule", "temporal"],
     &["gpu"],
     &["pass"],
     &["baker", "tracer"],
     &["io", "headless"],
 ];
 /// Modules that know no Vulkan.
-const PURE: [&str; 6] = ["scene", "bvh", "features", "epochs", "schedule", "temporal"];
+const PURE: [&str; 7] = ["scene", "bvh", "features", "epochs", "sampling", "schedule", "temporal"];
 const RUST_LINES: usize = 400;
 const GLSL_LINES: usize = 200;
 

@@ -8,6 +8,7 @@ mod setup;
 mod still;
 
 pub use crate::epochs::Bounces;
+pub use crate::sampling::Sampling;
 pub use crate::schedule::Slice;
 pub use frames::{Clock, FrameId, FrameReport, FrameSettings, FrameTiming, Learning, MeasuredBy, Ran, Timing};
 pub use memory::{MemoryEstimate, estimate_memory};
@@ -33,6 +34,8 @@ pub struct BakeSettings {
     pub resolution: Resolution,
     /// How many times light is reflected.
     pub bounces: Bounces,
+    /// Which way rays are sent.
+    pub sampling: Sampling,
     /// Another seed gives other noise.
     pub seed: u64,
     /// How long one submission of a static bake may take.
@@ -53,11 +56,12 @@ pub enum Mode {
 }
 
 impl Default for BakeSettings {
-    /// 512 texels a side, all bounces, seed 0, slices of 50 ms, a scene that stays as it is.
+    /// 512 texels a side, all bounces, sampling as it pays, seed 0, slices of 50 ms, a scene that stays as it is.
     fn default() -> Self {
         Self {
             resolution: Resolution::Texels(512),
             bounces: Bounces::Auto,
+            sampling: Sampling::Auto,
             seed: 0,
             slice: Slice::default(),
             mode: Mode::Still,

@@ -55,6 +55,7 @@ impl Baker {
 }
 
 fn check(gpu: &Gpu, settings: &BakeSettings) -> Result<()> {
+    settings.sampling.check()?;
     let Mode::Frames(frames) = settings.mode else { return Ok(()) };
     frames.check()?;
     if let Bounces::Limit(limit) = settings.bounces {

@@ -3,7 +3,7 @@
 use crate::values;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use glam::Vec3;
-use lightoven::baker::{Bounces, Stop};
+use lightoven::baker::{Bounces, Sampling, Stop};
 use lightoven::gpu::BackendChoice;
 use lightoven::io::gltf::SidednessChoice;
 use lightoven::scene::Resolution;
@@ -53,6 +53,9 @@ pub(crate) struct Bake {
     /// How often light is reflected between surfaces: auto, or 0 to 1000
     #[arg(long, value_name = "auto|N", default_value = "auto", value_parser = values::bounces, allow_negative_numbers = true)]
     pub(crate) bounces: Bounces,
+    /// Which way rays are sent: auto, cosine, importance, or mixture=A with the cosine's share A, 0.1 to 1
+    #[arg(long, value_name = "auto|cosine|importance|mixture[=A]", default_value = "auto", value_parser = values::sampling, allow_hyphen_values = true)]
+    pub(crate) sampling: Sampling,
     /// Seed of the random numbers: the same seed on the same device gives the same light map for --samples
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = values::seed, allow_negative_numbers = true)]
     pub(crate) seed: u64,

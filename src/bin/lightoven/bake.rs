@@ -33,6 +33,7 @@ pub(crate) fn run(arguments: &Bake, start: Instant) -> Result<Ending> {
     let settings = BakeSettings {
         resolution: arguments.how.resolution(),
         bounces: arguments.bounces,
+        sampling: arguments.sampling,
         seed: arguments.seed,
         ..BakeSettings::default()
     };

@@ -2,7 +2,7 @@
 
 use crate::arguments::SkyArgument;
 use glam::Vec3;
-use lightoven::baker::{Bounces, Stop};
+use lightoven::baker::{Bounces, Sampling, Stop};
 use lightoven::scene::atlas::MAX_RESOLUTION;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -46,6 +46,25 @@ pub(crate) fn bounces(text: &str) -> Result<Bounces, String> {
             Ok(count) if count <= 1000 => Ok(Bounces::Limit(count)),
             _ => Err("allowed is auto or a whole number from 0 to 1000".into()),
         },
+    }
+}
+
+/// A mixture without a share has one half.
+pub(crate) fn sampling(text: &str) -> Result<Sampling, String> {
+    let allowed = || {
+        let least = Sampling::LEAST_COSINE;
+        format!("allowed is auto, cosine, importance, mixture, or mixture=A with A from {least} to 1")
+    };
+    match text {
+        "auto" => Ok(Sampling::Auto),
+        "cosine" => Ok(Sampling::Cosine),
+        "importance" => Ok(Sampling::Importance),
+        "mixture" => Ok(Sampling::Mixture { cosine: 0.5 }),
+        _ => {
+            let share = text.strip_prefix("mixture=").and_then(|share| share.parse::<f32>().ok());
+            let cosine = share.filter(|share| (Sampling::LEAST_COSINE..=1.0).contains(share));
+            cosine.map(|cosine| Sampling::Mixture { cosine }).ok_or_else(allowed)
+        }
     }
 }
 
@@ -111,6 +130,12 @@ mod tests {
     fn numbers_have_ranges() {
         assert_eq!((samples("1"), resolution("16384"), error("1")), (Ok(1), Ok(16384), Ok(1.0)));
         assert!(matches!(bounces("0"), Ok(Bounces::Limit(0))) && matches!(bounces("auto"), Ok(Bounces::Auto)));
+        assert_eq!(sampling("mixture=0.25"), Ok(Sampling::Mixture { cosine: 0.25 }));
+        assert!(
+            ["", "mixture=", "mixture=0", "mixture=nan", "mixture=1.01", "Cosine"]
+                .iter()
+                .all(|bad| sampling(bad).is_err())
+        );
         assert!(["0", "-1", "1.5", "4294967296"].iter().all(|bad| samples(bad).is_err()));
         assert!(["0", "16385", "100000", "x"].iter().all(|bad| resolution(bad).is_err()));
         assert!(["0", "-1", "nan", "inf", "1.1"].iter().all(|bad| error(bad).is_err()));
