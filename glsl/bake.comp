@@ -7,70 +7,53 @@
 #include "include/random.glsl"
 #include "include/sampling.glsl"
 #include "include/texels.glsl"
-#include "include/sky.glsl"
+#include "include/mixture.glsl"
 
 layout(set = 0, binding = 9, r32ui) readonly uniform uimage2D footprint_image;
-layout(set = 0, binding = 10) uniform texture2D source_map;
 // Mean irradiance of the even and of the odd quanta, and how many samples each holds. Dynamic: the running average, and
 // what the last visit gathered; both with their quanta.
 layout(set = 0, binding = 11, rgba32f) uniform image2D mean_even;
 layout(set = 0, binding = 12, rgba32f) uniform image2D mean_odd;
-layout(set = 0, binding = 18, rgba32f) readonly uniform image2D emission_image;
+// What this dispatch tells of the mixtures: see Evidence.
+layout(set = 0, binding = 29, rgba32f) writeonly uniform image2D evidence_image;
+layout(set = 0, binding = 30, rgba32f) writeonly uniform image2D sky_evidence_image;
 
-const uint FOOTPRINT_TRIES = 4u;
-
-// A point of the texel that lies on its triangle and within its footprint.
-vec2 choose_point(Surface s, vec4 sides, uint texel, uint sample_index, vec2 u) {
-    for (uint attempt = 1u; attempt <= FOOTPRINT_TRIES; ++attempt) {
-        vec2 p = mix(sides.xy, sides.zw, u);
-        if (on_triangle(s, p)) return p;
-        u = random4(texel, sample_index, attempt).xy;
-    }
-    return clamp(s.start, sides.xy, sides.zw);
-}
-
-// In a dynamic scene the source map holds what is reflected, and emission, which may change at any time, is added here.
-vec3 emitted(uint primitive, ivec2 texel) {
-    vec3 emission = materials[primitives[primitive].material].emission;
-    return TEXTURES && emission != vec3(0.0) ? emission * imageLoad(emission_image, texel).rgb : emission;
-}
-
-vec3 on_hit(Hit hit) {
-    uint flags = primitives[hit.primitive].flags;
-    if (SINGLE_SIDED && !hit.front_face && (flags & PRIMITIVE_DOUBLE_SIDED) == 0u) return vec3(0.0);
-    if (UNMAPPED && (flags & PRIMITIVE_MAPPED) == 0u) return materials[primitives[hit.primitive].material].emission;
-    vec2 t0 = corner_texel(hit.instance, hit.primitive, 0u);
-    vec2 t1 = corner_texel(hit.instance, hit.primitive, 1u);
-    vec2 t2 = corner_texel(hit.instance, hit.primitive, 2u);
-    vec2 place = t0 + (t1 - t0) * hit.barycentrics.x + (t2 - t0) * hit.barycentrics.y;
-    ivec2 texel = clamp(ivec2(place), ivec2(0), ivec2(push.map_size) - 1);
-    vec3 source = texelFetch(source_map, texel, 0).rgb;
-    return DYNAMIC ? source + emitted(hit.primitive, texel) : source;
-}
-
-vec3 on_miss(vec3 direction) {
-    return sky_radiance(direction);
-}
-
-// Radiance that one cosine-distributed ray sees.
-vec3 emit(Surface s, mat3 frame, vec4 sides, uint texel, uint stratum, uint sample_index) {
-    vec4 u = random4(texel, sample_index, 0u);
-    vec3 direction = frame * cosine_direction(stratified(stratum, push.strata_side, u.xy));
-    // Under the triangle, where only the shading normal looks: nothing comes from there.
-    if (dot(direction, s.geometric_normal) <= 0.0) return vec3(0.0);
-    vec3 point = point_at(s, choose_point(s, sides, texel, sample_index, u.zw));
-    Hit hit = trace_closest(ray_from(s, point, direction, 1e30));
-    return hit.committed ? on_hit(hit) : on_miss(direction);
-}
+// How far along a line of sight any hit blocks it, of its whole length.
+const float SIGHT = 0.998;
 
 // Mean irradiance of a quantum.
-vec3 gather(Surface s, mat3 frame, vec4 sides, uint key, uint quantum) {
-    uint samples = push.strata_side * push.strata_side;
-    uint first = push.first_sample + quantum * samples;
+vec3 gather(Receiver r, uint quantum, inout Evidence evidence) {
+    uint first = push.first_sample + quantum * push.rays;
     vec3 sum = vec3(0.0);
-    for (uint i = 0u; i < samples; ++i) sum += emit(s, frame, sides, key, i, first + i);
-    // A cosine-distributed ray weighs pi.
-    return sum * (PI / float(samples));
+    for (uint index = 0u; index < push.rays; ++index) {
+        Ray ray;
+        Aim aim;
+        if (!aim_ray(r, index, first + index, ray, aim)) continue;
+        // Four of five lines of sight are blocked, which any hit tells; what they find is looked for at their end.
+        if (IMPORTANCE && aim.technique == BY_SOURCE) {
+            float t_max = ray.t_max;
+            ray.t_max *= SIGHT;
+            if (trace_occluded(ray)) continue;
+            ray.t_min = ray.t_max;
+            ray.t_max = t_max;
+        }
+        sum += weigh(r, trace_closest(ray), ray.direction, aim, evidence);
+    }
+    return sum;
+}
+
+// What the rays of this dispatch tell: relative variances of a ray, and shares of aimed rays that found their aim.
+void store_evidence(ivec2 texel, Evidence evidence, vec3 irradiance) {
+    float quanta = float(max(push.quantum_count, 1u));
+    float mean = push.mean_luminance > 0.0 ? push.mean_luminance : 1.0;
+    float relative = dot(irradiance, LUMINANCE) / mean;
+    float scale = relative * relative + (push.mean_luminance > 0.0 ? 0.01 : 0.0);
+    float weight = scale > 0.0 ? 1.0 / (scale * quanta) : 0.0;
+    vec3 hits = evidence.hits * weight - (scale > 0.0 ? relative * relative / scale : 0.0);
+    imageStore(evidence_image, texel, vec4(hits, evidence.seen / (quanta * float(max(push.source_rays, 1u)))));
+    if (!SKY_MAP) return;
+    float seen = evidence.sky_seen / (quanta * float(max(push.sky_rays, 1u)));
+    imageStore(sky_evidence_image, texel, vec4(evidence.misses * weight, seen));
 }
 
 // Merges a quantum's mean into the running one: no sum that outgrows its addends.
@@ -80,28 +63,29 @@ void accumulate(inout vec4 mean, vec3 quantum_mean, float samples) {
 }
 
 // Static: the halves. The first quantum starts anew: what an earlier epoch left stays readable until then.
-void gather_halves(Surface s, mat3 frame, vec4 sides, ivec2 texel, uint key) {
+vec3 gather_halves(Receiver r, ivec2 texel, inout Evidence evidence) {
     bool anew = push.first_quantum == 0u;
     vec4 even = anew ? vec4(0.0) : imageLoad(mean_even, texel);
     vec4 odd = anew ? vec4(0.0) : imageLoad(mean_odd, texel);
-    float samples = float(push.strata_side * push.strata_side);
+    float samples = float(push.rays);
     for (uint quantum = push.first_quantum; quantum < push.first_quantum + push.quantum_count; ++quantum) {
-        vec3 quantum_mean = gather(s, frame, sides, key, quantum);
+        vec3 quantum_mean = gather(r, quantum, evidence);
         if ((quantum & 1u) == 0u) accumulate(even, quantum_mean, samples);
         else accumulate(odd, quantum_mean, samples);
     }
     imageStore(mean_even, texel, even);
     imageStore(mean_odd, texel, odd);
+    return mix(even.rgb, odd.rgb, odd.w / max(even.w + odd.w, 1.0));
 }
 
 // Dynamic: the running average (src/temporal.rs), and beside it what this visit alone has gathered.
-void gather_average(Surface s, mat3 frame, vec4 sides, ivec2 texel, uint key) {
+vec3 gather_average(Receiver r, ivec2 texel, inout Evidence evidence) {
     vec4 average = push.history > 0.0 ? imageLoad(mean_even, texel) : vec4(0.0);
     // A texel whose instance was absent has none, whatever its tile has.
     float history = average.w > 0.0 ? push.history : 0.0;
     vec4 visit = vec4(0.0);
     for (uint i = 0u; i < push.quantum_count; ++i) {
-        vec3 quantum_mean = gather(s, frame, sides, key, push.first_quantum + i);
+        vec3 quantum_mean = gather(r, push.first_quantum + i, evidence);
         // What is no number would stay in the average for good.
         if (any(isnan(quantum_mean)) || any(isinf(quantum_mean))) quantum_mean = average.rgb;
         average.rgb += (quantum_mean - average.rgb) / (history + float(i + 1u));
@@ -109,6 +93,7 @@ void gather_average(Surface s, mat3 frame, vec4 sides, ivec2 texel, uint key) {
     }
     imageStore(mean_even, texel, vec4(average.rgb, history + visit.w));
     imageStore(mean_odd, texel, visit);
+    return average.rgb;
 }
 
 void main() {
@@ -116,10 +101,15 @@ void main() {
     if (!texel_of_invocation(texel)) return;
     uvec4 g = imageLoad(surface_image, ivec2(texel));
     if (DYNAMIC && (instances[g.x - 1u].flags & INSTANCE_ABSENT) != 0u) return;
-    Surface s = surface_of(texel, g);
-    vec4 sides = unpack_footprint(imageLoad(footprint_image, ivec2(texel)).x);
-    mat3 frame = frame_of(s.normal);
-    uint key = texel.x | texel.y << 16u;
-    if (DYNAMIC) gather_average(s, frame, sides, ivec2(texel), key);
-    else gather_halves(s, frame, sides, ivec2(texel), key);
+    Receiver r;
+    r.surface = surface_of(texel, g);
+    r.sides = unpack_footprint(imageLoad(footprint_image, ivec2(texel)).x);
+    r.frame = frame_of(r.surface.normal);
+    r.key = texel.x | texel.y << 16u;
+    bool mixed = IMPORTANCE && push.source_rays + push.sky_rays > 0u;
+    r.source_total = mixed ? pyramid_total(importance_map, push.map_size) : 0.0;
+    r.sky_total = mixed && SKY_MAP ? pyramid_total(sky_importance_map, uvec2(textureSize(sky_map, 0))) : 0.0;
+    Evidence evidence = Evidence(vec3(0.0), vec3(0.0), 0.0, 0.0);
+    vec3 irradiance = DYNAMIC ? gather_average(r, ivec2(texel), evidence) : gather_halves(r, ivec2(texel), evidence);
+    if (mixed) store_evidence(ivec2(texel), evidence, irradiance);
 }

@@ -57,7 +57,7 @@ float back_share(Surface s, uint key, uint side) {
     mat3 frame = frame_of(s.geometric_normal);
     uint count = 0u;
     for (uint i = 0u; i < side * side; ++i) {
-        vec3 direction = frame * cosine_direction(stratified(i, side, random4(key, i, side).xy));
+        vec3 direction = frame * cosine_direction(stratified(i, side * side, random4(key, i, side).xy));
         count += uint(shows_back(trace_closest(ray_from(s, point_at(s, s.start), direction, 1e30))));
     }
     return float(count) / float(side * side);

@@ -22,6 +22,8 @@ bitflags::bitflags! {
         const TEXTURES = 1 << 6;
         /// The light map follows a scene that changes.
         const DYNAMIC = 1 << 7;
+        /// Rays are aimed at light as well.
+        const IMPORTANCE = 1 << 8;
     }
 }
 
@@ -61,6 +63,7 @@ impl Features {
             (Self::SKY_CONSTANT | Self::SKY_MAP, "no sky"),
             (Self::LIGHTS, "no analytic lights: no direct pass and no map for it"),
             (Self::TEXTURES, "no textures"),
+            (Self::IMPORTANCE, "rays by the cosine alone: no pyramids and no lines of sight"),
             (Self::DYNAMIC, "nothing changes: no running average, no second source map"),
         ];
         words.into_iter().filter(|(bit, _)| !self.intersects(*bit)).map(|(_, words)| words).collect()

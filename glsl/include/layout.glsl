@@ -20,13 +20,14 @@ struct Triangle {
     vec4 corners[3];
 };
 
-// What a hit needs of a triangle. `uvs`: light-map coordinates. `normals`: octahedral, two snorm16.
+// What a hit needs of a triangle. `uvs`: light-map coordinates. `normals`: octahedral, two snorm16. `sheet`: the same
+// for triangles of a mesh on which light-map coordinates and positions are one affine map.
 struct Primitive {
     vec2 uvs[3];
     uint normals[3];
     uint material;
     uint flags;
-    uint pad;
+    uint sheet;
 };
 
 struct Material {
@@ -91,6 +92,7 @@ const bool SKY_MAP = (FEATURES & 16u) != 0u;
 const bool LIGHTS = (FEATURES & 32u) != 0u;
 const bool TEXTURES = (FEATURES & 64u) != 0u;
 const bool DYNAMIC = (FEATURES & 128u) != 0u;      // the light map follows a scene that changes
+const bool IMPORTANCE = (FEATURES & 256u) != 0u;   // rays are aimed at light as well
 
 layout(push_constant, std430) uniform Push {
     uvec2 map_size;       // texels
@@ -103,10 +105,14 @@ layout(push_constant, std430) uniform Push {
     vec3 sky;             // constant radiance
     float origin_offset;  // along the geometric normal, scene units
     uvec2 seed;
-    uint instance;        // gbuffer: the instance drawn
+    uint instance;        // gbuffer: the instance drawn; importance: 1 = of the sky
     uint step_texels;     // dilate: how far to look; 0 = fill
-    float mean_luminance; // resolve: of the last estimate
-    uint strata_side;     // bake: a quantum has a ray for each stratum of a grid of this side over the hemisphere
+    float mean_luminance; // resolve, bake: of the last estimate
+    uint rays;            // bake: of a quantum, those below included
+    uint source_rays;     // bake: aimed at the light map
+    uint sky_rays;        // bake: aimed at the sky map
+    uint first_level;     // importance: of the pyramid
+    uint end_level;
     uint first_sample;    // bake: of quantum 0, for the random numbers
     float history;        // bake, dynamic: what the running average weighs, in quanta
 } push;

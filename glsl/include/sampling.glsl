@@ -18,9 +18,14 @@ vec3 cosine_direction(vec2 u) {
     return vec3(radius * cos(angle), radius * sin(angle), sqrt(max(0.0, 1.0 - u.x)));
 }
 
-// The point of stratum `index` of a `side` x `side` grid that two numbers in [0,1) choose.
-vec2 stratified(uint index, uint side, vec2 u) {
-    return (vec2(index % side, index / side) + u) / float(side);
+// The point of stratum `index` of `count` equal ones that two numbers in [0,1) choose. They lie in rows; a square number
+// of them is a grid, else some rows have one more.
+vec2 stratified(uint index, uint count, vec2 u) {
+    uint rows = uint(sqrt(float(count)) + 0.001);
+    uint row = ((index + 1u) * rows - 1u) / count;
+    uint first = row * count / rows;
+    float columns = float((row + 1u) * count / rows - first);
+    return vec2((float(index - first) + u.x) / columns, (float(first) + u.y * columns) / float(count));
 }
 
 #endif

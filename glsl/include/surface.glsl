@@ -53,6 +53,38 @@ vec2 off_the_edge(vec2 t1, vec2 t2, vec2 b) {
     return b + inward * min(0.5, INSET / max(length(t1 * inward.x + t2 * inward.y), 1e-20));
 }
 
+// A texel as a source of light: its plane as above, and the part of it that its primitive's bounding rectangle leaves.
+struct Patch {
+    vec3 origin;
+    vec3 du;
+    vec3 dv;
+    vec2 lo;  // texels from the texel's corner, 0 to 1
+    vec2 hi;
+};
+
+Patch patch_of(uvec2 texel, uint instance, uint primitive) {
+    vec3 v0 = to_world_point(instance, triangles[primitive].corners[0].xyz);
+    vec3 e1 = to_world_point(instance, triangles[primitive].corners[1].xyz) - v0;
+    vec3 e2 = to_world_point(instance, triangles[primitive].corners[2].xyz) - v0;
+    vec2 t0 = corner_texel(instance, primitive, 0u) - vec2(texel);
+    vec2 t1 = corner_texel(instance, primitive, 1u) - vec2(texel) - t0;
+    vec2 t2 = corner_texel(instance, primitive, 2u) - vec2(texel) - t0;
+    float inverse = 1.0 / (t1.x * t2.y - t1.y * t2.x);
+    Patch p;
+    p.du = (e1 * t2.y - e2 * t1.y) * inverse;
+    p.dv = (e2 * t1.x - e1 * t2.x) * inverse;
+    p.origin = v0 - p.du * t0.x - p.dv * t0.y;
+    p.lo = clamp(t0 + min(vec2(0.0), min(t1, t2)), 0.0, 1.0);
+    p.hi = clamp(t0 + max(vec2(0.0), max(t1, t2)), 0.0, 1.0);
+    return p;
+}
+
+// World area, along the normal.
+vec3 area_of(Patch p) {
+    vec2 sides = p.hi - p.lo;
+    return cross(p.du, p.dv) * (sides.x * sides.y);
+}
+
 Surface surface_of(uvec2 texel, uvec4 g) {
     Surface s;
     s.instance = g.x - 1u;
@@ -94,11 +126,6 @@ vec3 point_at(Surface s, vec2 texel) {
 bool on_triangle(Surface s, vec2 texel) {
     vec2 b = s.barycentric_origin + s.barycentric_du * texel.x + s.barycentric_dv * texel.y;
     return b.x >= 0.0 && b.y >= 0.0 && b.x + b.y <= 1.0;
-}
-
-// World area of the whole texel.
-float texel_area(Surface s) {
-    return length(cross(s.du, s.dv));
 }
 
 #endif

@@ -6,7 +6,7 @@ use crate::error::{Error, ErrorKind, Result};
 use crate::features::Features;
 use crate::gpu::DeviceInfo;
 use crate::pass::{DeviceScene, Maps};
-use crate::scene::{Atlas, Scene};
+use crate::scene::{Atlas, Scene, Sky};
 
 /// Device memory by what it is for.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -23,7 +23,7 @@ impl MemoryEstimate {
 
     pub(super) fn of(scene: &Scene, size: [u32; 2], features: Features) -> Self {
         let texels = u64::from(size[0]) * u64::from(size[1]);
-        let mut parts: Vec<_> = Maps::bytes(size, features).collect();
+        let mut parts: Vec<_> = Maps::bytes(size, sky_size(scene), features).collect();
         // The g-buffer's depth, the list of texels, the two images of the dilation.
         parts.extend([("gbuffer depth", texels * 4), ("texels", texels * 4), ("nearest texels", texels * 8)]);
         parts.extend(DeviceScene::bytes(scene, features));
@@ -43,6 +43,11 @@ impl MemoryEstimate {
             format!("a light map of {width} x {height} needs {total} bytes; device '{name}' has {available}"),
         ))
     }
+}
+
+/// Columns and rows of the scene's sky map; 1 and 1 where it has none.
+fn sky_size(scene: &Scene) -> [u32; 2] {
+    if let Sky::Map(map) = scene.sky() { [map.width, map.height] } else { [1, 1] }
 }
 
 /// The layout of the scene's light map, and what baking it takes.

@@ -1,6 +1,7 @@
 //! A baker: of a scene that stays as it is, until its light map is good enough (`still.rs`), or of one that changes, within
 //! an engine's frames (`frames`).
 
+mod aiming;
 mod frames;
 mod memory;
 mod progress;
@@ -8,7 +9,7 @@ mod setup;
 mod still;
 
 pub use crate::epochs::Bounces;
-pub use crate::sampling::Sampling;
+pub use crate::sampling::{Sampling, SamplingStatistics};
 pub use crate::schedule::Slice;
 pub use frames::{Clock, FrameId, FrameReport, FrameSettings, FrameTiming, Learning, MeasuredBy, Ran, Timing};
 pub use memory::{MemoryEstimate, estimate_memory};

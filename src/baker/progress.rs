@@ -2,6 +2,7 @@
 
 use crate::epochs::Epoch;
 use crate::error::{Error, Result};
+use crate::sampling::SamplingStatistics;
 use std::time::Duration;
 
 /// When a bake ends: at whichever comes first. With nothing set it goes on until it is interrupted.
@@ -104,6 +105,8 @@ pub struct Statistics {
     pub rays: u64,
     /// `rays` over `seconds.bake`, in millions.
     pub mrays_per_s: f64,
+    /// How rays were sent.
+    pub sampling: SamplingStatistics,
     /// Root of relMSE as the half buffers tell it; `None` before there are two halves.
     pub estimated_error: Option<f32>,
     /// Bound on what further bounces would add, relative to the mean radiance; infinite before two bounces are done.

@@ -3,7 +3,7 @@
 use super::frames::Frames;
 use super::memory::MemoryEstimate;
 use super::still::Still;
-use super::{BakeSettings, Baker, Core, Mode, Running, Statistics};
+use super::{BakeSettings, Baker, Core, Mode, Running, Sampling, Statistics};
 use crate::bvh::{Bvh, InstanceRecord, Motion};
 use crate::epochs::Bounces;
 use crate::error::{Error, Result};
@@ -46,7 +46,7 @@ impl Baker {
 
         let started = Instant::now();
         let running = match settings.mode {
-            Mode::Still => Running::Still(Box::new(Still::new(&mut core, settings.bounces, settings.slice)?)),
+            Mode::Still => Running::Still(Box::new(Still::new(&mut core, settings)?)),
             Mode::Frames(frames) => Running::Frames(Box::new(Frames::new(&mut core, scene, bvh, frames)?)),
         };
         core.statistics.seconds.compile += started.elapsed().as_secs_f64();
@@ -73,10 +73,12 @@ fn check(gpu: &Gpu, settings: &BakeSettings) -> Result<()> {
 
 /// What a baker with these settings needs of a scene.
 pub(super) fn features_of(scene: &Scene, settings: &BakeSettings) -> Features {
-    match settings.mode {
+    let mut features = match settings.mode {
         Mode::Still => Features::required(scene),
         Mode::Frames(_) => Features::required_dynamic(scene),
-    }
+    };
+    features.set(Features::IMPORTANCE, settings.sampling != Sampling::Cosine);
+    features
 }
 
 impl Core {
@@ -97,7 +99,7 @@ impl Core {
         set_present(bvh, &movable, false);
         let mut commands = Commands::new(gpu)?;
         let mut device_scene = DeviceScene::new(gpu, &mut commands, scene, bvh, features)?;
-        let maps = Maps::new(gpu, &mut commands, size, features)?;
+        let maps = Maps::new(gpu, &mut commands, size, device_scene.sky_size(), features)?;
         let constants = Constants::new(features, bvh);
         let context = Context { gpu, constants, scene: &device_scene, maps: &maps };
         let push = push_of(scene, settings, bvh, &device_scene, size);

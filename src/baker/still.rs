@@ -1,19 +1,21 @@
 //! The algorithm of a static bake, as a list of passes: bounces first, then samples that are kept.
 
+use super::aiming::{Aiming, Occasion};
 use super::progress::{Outcome, Progress, Stop};
-use super::{Core, LightMap};
+use super::{BakeSettings, Core, LightMap};
 use crate::epochs::{Bounces, Epoch, Epochs};
 use crate::error::Result;
 use crate::features::Features;
 use crate::gpu::layout::Push;
 use crate::pass::{Bake, Context, Dilate, Direct, Resolve, ResolveSums, Source, SourceSums};
-use crate::schedule::{Pace, Slice, Sweep, Unit};
+use crate::schedule::{Pace, Sweep, Unit};
 use std::ops::ControlFlow;
 use std::time::Instant;
 
 /// A static bake.
 pub(super) struct Still {
     passes: Passes,
+    aiming: Aiming,
     bounces: Bounces,
     pace: Pace,
     state: Option<State>,
@@ -41,17 +43,25 @@ struct State {
     covered: bool,
 }
 
-/// Side of the grid of strata for kept samples: 64 rays a quantum. Lavapipe, a game level, Mrays/s: 16 rays 3.7, 64 rays
+/// Rays of a quantum that is kept, each of a stratum of its own. Lavapipe, a game level, Mrays/s: 16 rays 3.7, 64 rays
 /// 4.0 to 4.9, for neighbouring texels' rays then are all but parallel.
-const STRATA_SIDE: u32 = 8;
+const RAYS: u32 = 64;
 /// The same for bounce epochs, which only have to carry the mean.
-const BOUNCE_STRATA_SIDE: u32 = 4;
+const BOUNCE_RAYS: u32 = 16;
+/// In so many bounce epochs rays are aimed anew, at what the first bounces show; then they stay the same.
+const AIMED_BOUNCES: u32 = 2;
 /// Random numbers of bounce epochs start here, above those of kept samples.
 const BOUNCE_SAMPLES: u32 = 1 << 31;
 
 impl Still {
-    pub(super) fn new(core: &mut Core, bounces: Bounces, slice: Slice) -> Result<Self> {
-        Ok(Self { passes: Passes::new(core)?, bounces, pace: Pace::new(slice), state: None })
+    pub(super) fn new(core: &mut Core, settings: &BakeSettings) -> Result<Self> {
+        Ok(Self {
+            passes: Passes::new(core)?,
+            aiming: Aiming::new(core, settings.sampling)?,
+            bounces: settings.bounces,
+            pace: Pace::new(settings.slice),
+            state: None,
+        })
     }
 
     pub(super) fn bake(
@@ -90,6 +100,7 @@ impl Still {
             Ok(())
         })?;
         let emitted = self.update_source(core)?;
+        self.aiming.refresh(core, Occasion::NewSource)?;
         self.light_directly(core)?;
         core.statistics.seconds.direct += started.elapsed().as_secs_f64();
         let epochs = Epochs::new(self.bounces, emitted.max_albedo, emitted.mean_radiance);
@@ -138,13 +149,10 @@ impl Still {
         let mut interrupted = false;
         loop {
             let (started, resolved_before) = (Instant::now(), core.statistics.seconds.resolve);
-            let side = match state.epoch {
-                Epoch::Bounce => BOUNCE_STRATA_SIDE,
-                Epoch::Keep { .. } => STRATA_SIDE,
-            };
-            let limit = stop.quanta(side * side).min(state.next_estimate);
-            match state.sweep.next(&self.pace, side * side, limit) {
-                Some(unit) => self.gather(core, state, side, unit)?,
+            let rays = if state.epoch == Epoch::Bounce { BOUNCE_RAYS } else { RAYS };
+            let limit = stop.quanta(rays).min(state.next_estimate);
+            match state.sweep.next(&self.pace, rays, limit) {
+                Some(unit) => self.gather(core, state, rays, unit)?,
                 None if core.texels.count == 0 => return Ok(Outcome::Finished),
                 None => self.end_epoch(core, state)?,
             }
@@ -158,7 +166,7 @@ impl Still {
             }
             let resolving = core.statistics.seconds.resolve - resolved_before;
             core.statistics.seconds.bake += started.elapsed().as_secs_f64() - resolving;
-            core.statistics.samples_per_texel = f64::from(state.kept) * f64::from(STRATA_SIDE * STRATA_SIDE);
+            core.statistics.samples_per_texel = f64::from(state.kept) * f64::from(RAYS);
             let report = core.statistics.progress(state.epoch, stop, clock.elapsed());
             interrupted |= progress(&report).is_break();
             if !state.covered {
@@ -174,11 +182,13 @@ impl Still {
     }
 
     /// One slice of rays.
-    fn gather(&mut self, core: &mut Core, state: &State, strata_side: u32, unit: Unit) -> Result<()> {
+    fn gather(&mut self, core: &mut Core, state: &State, rays: u32, unit: Unit) -> Result<()> {
         let first_sample = if state.epoch == Epoch::Bounce { BOUNCE_SAMPLES } else { 0 };
-        let push = Push { strata_side, first_sample, ..core.push };
-        let quanta = u64::from(unit.quanta.end - unit.quanta.start);
-        let rays = u64::from(unit.texels.end - unit.texels.start) * quanta * u64::from(strata_side * strata_side);
+        let mean_luminance = state.mean_luminance as f32;
+        let push = self.aiming.push(Push { first_sample, mean_luminance, ..core.push }, rays);
+        let quanta = u64::from(unit.texels.end - unit.texels.start) * u64::from(unit.quanta.end - unit.quanta.start);
+        core.statistics.sampling.count(rays, [push.source_rays, push.sky_rays], quanta);
+        let rays = quanta * u64::from(rays);
         let pass = &self.passes.bake;
         let took = core.commands.run(|recorder| {
             pass.record(recorder, &push, 0, unit.texels, unit.quanta);
@@ -191,7 +201,8 @@ impl Still {
 
     /// What was gathered becomes the source of the next epoch.
     fn end_epoch(&mut self, core: &mut Core, state: &mut State) -> Result<()> {
-        if state.epoch == Epoch::Bounce {
+        let bounced = state.epoch == Epoch::Bounce;
+        if bounced {
             let radiance = self.update_source(core)?.mean_radiance;
             state.epochs.bounced(radiance)?;
         } else if state.epochs.updates_source() {
@@ -199,7 +210,14 @@ impl Still {
         }
         core.statistics.epochs += 1;
         self.begin_epoch(core, state);
-        Ok(())
+        if state.epoch != Epoch::Bounce {
+            self.aiming.refresh(core, Occasion::Epoch)
+        } else if bounced && state.epochs.bounces_done() <= AIMED_BOUNCES {
+            // The bounces follow one operator, which aimed rays are a part of.
+            self.aiming.refresh(core, Occasion::NewSource)
+        } else {
+            Ok(())
+        }
     }
 
     fn begin_epoch(&self, core: &Core, state: &mut State) {
@@ -282,7 +300,7 @@ impl Passes {
             dilate: Dilate::new(context, commands)?,
         };
         // On no texel: drivers that compile at the first use do so here, and not in a slice.
-        let nothing = Push { map_size: [0, 0], strata_side: 1, ..core.push };
+        let nothing = Push { map_size: [0, 0], rays: 1, ..core.push };
         commands.run(|recorder| {
             if let Some(direct) = &passes.direct {
                 direct.record(recorder, &nothing, 0..0);

@@ -31,6 +31,11 @@ pub(crate) mod binding {
     pub(crate) const NEAREST_AFTER: u32 = 23;
     pub(crate) const RAYS: u32 = 24;
     pub(crate) const ANSWERS: u32 = 25;
+    pub(crate) const IMPORTANCE: u32 = 26;
+    pub(crate) const SKY_IMPORTANCE: u32 = 27;
+    pub(crate) const PYRAMID: u32 = 28;
+    pub(crate) const EVIDENCE: u32 = 29;
+    pub(crate) const SKY_EVIDENCE: u32 = 30;
 }
 
 /// What a hit needs of a triangle.
@@ -44,7 +49,8 @@ pub(crate) struct Primitive {
     pub(crate) material: u32,
     /// [`Primitive::MAPPED`], [`Primitive::DOUBLE_SIDED`].
     pub(crate) flags: u32,
-    pub(crate) pad: u32,
+    /// The same for triangles of a mesh on which light-map coordinates and positions are one affine map.
+    pub(crate) sheet: u32,
 }
 
 impl Primitive {
@@ -133,7 +139,11 @@ pub(crate) struct Push {
     pub(crate) instance: u32,
     pub(crate) step_texels: u32,
     pub(crate) mean_luminance: f32,
-    pub(crate) strata_side: u32,
+    pub(crate) rays: u32,
+    pub(crate) source_rays: u32,
+    pub(crate) sky_rays: u32,
+    pub(crate) first_level: u32,
+    pub(crate) end_level: u32,
     pub(crate) first_sample: u32,
     pub(crate) history: f32,
 }

@@ -184,6 +184,11 @@ impl Image {
         Ok(image)
     }
 
+    /// Width and height of the first mip level.
+    pub(crate) fn size(&self) -> [u32; 2] {
+        self.size
+    }
+
     /// For the engine to see.
     pub(crate) fn handles(&self) -> (vk::Image, vk::ImageView) {
         (self.handle, self.view)

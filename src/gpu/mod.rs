@@ -35,7 +35,9 @@ pub(crate) use memory::{Buffer, BufferDesc, Image, ImageDesc, Location};
 pub(crate) use pipeline::{ComputePipeline, Constants, RasterDesc, RasterPipeline};
 pub(crate) use recorder::{Recorder, Rendering};
 pub(crate) use sampler::Sampler;
-pub(crate) use shader::{BAKE, DILATE, DIRECT, GBUFFER_FRAG, GBUFFER_VERT, PUBLISH, RESOLVE, SETTLE, SOURCE, TRACE};
+pub(crate) use shader::{
+    BAKE, DILATE, DIRECT, GBUFFER_FRAG, GBUFFER_VERT, IMPORTANCE, PUBLISH, RESOLVE, SETTLE, SOURCE, TRACE,
+};
 pub(crate) use timer::{MARKS, Timer};
 
 use crate::error::{Error, ErrorKind};

@@ -1,4 +1,4 @@
-//! Gathers light with rays. Reads the surface, footprint and source maps, the sky and the hierarchy; merges into the mean
+//! Gathers light with rays. Reads the surface, footprint and source maps, the pyramids, the sky and the hierarchy; merges into the mean
 //! of the even or of the odd quanta, or in a dynamic scene into the running average. One invocation a texel of the list, a quantum of rays each.
 
 use super::{Context, TexelList, groups_of};
@@ -27,6 +27,10 @@ impl Bake {
                 (binding::SOURCE_MAP, Resource::Sampled(source)),
                 (binding::MEAN_EVEN, Resource::StorageImage(&maps.mean_even)),
                 (binding::MEAN_ODD, Resource::StorageImage(&maps.mean_odd)),
+                (binding::IMPORTANCE, Resource::Sampled(&maps.importance)),
+                (binding::SKY_IMPORTANCE, Resource::Sampled(&maps.sky_importance)),
+                (binding::EVIDENCE, Resource::StorageImage(&maps.evidence)),
+                (binding::SKY_EVIDENCE, Resource::StorageImage(&maps.sky_evidence)),
             ]);
             resources
         };
@@ -35,7 +39,7 @@ impl Bake {
         Ok(Self { pipeline, sets })
     }
 
-    /// `push.strata_side` says how many rays a quantum has; `source` which map is read.
+    /// `push` says how many rays a quantum has and how many of them are aimed; `source` which map is read.
     pub(crate) fn record(
         &self,
         recorder: &mut Recorder<'_>,

@@ -1,5 +1,6 @@
 //! Everything that is kept for each texel of the light map.
 
+use super::importance::Pyramid;
 use crate::error::Result;
 use crate::features::Features;
 use crate::gpu::{Commands, Gpu, Image, ImageDesc};
@@ -24,6 +25,12 @@ pub(crate) struct Maps {
     pub(crate) mean_odd: Image,
     /// Outgoing radiance: what hits read. Dynamic: two, one read while the other is written.
     pub(crate) source: Vec<Image>,
+    /// Pyramid over the light map that rays are aimed by, and over the sky map.
+    pub(crate) importance: Image,
+    pub(crate) sky_importance: Image,
+    /// What rays tell of other ways to aim them; of light from the sky map.
+    pub(crate) evidence: Image,
+    pub(crate) sky_evidence: Image,
     /// Irradiance and coverage. Dynamic: as many as the engine may still read while another is written.
     pub(crate) light_map: Vec<Image>,
 }
@@ -33,39 +40,54 @@ const PUBLISHED: usize = 3;
 
 const RADIANCE: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
 
-/// Name, format and number of full size.
-type Plan = (&'static str, vk::Format, usize);
+/// Name, format, size and number of that size.
+type Plan = (&'static str, vk::Format, [u32; 2], usize);
 
-fn plans(features: Features) -> [Plan; 9] {
+/// `sky`: size of the sky map, where there is one.
+fn plans(size: [u32; 2], sky: [u32; 2], features: Features) -> [Plan; 13] {
     let dynamic = features.contains(Features::DYNAMIC);
+    let importance = usize::from(features.contains(Features::IMPORTANCE));
+    let sky_importance = usize::from(features.contains(Features::IMPORTANCE | Features::SKY_MAP));
+    let [pyramid, sky] = [size, sky].map(|leaves| Pyramid::over(leaves).image_size());
     let several = |count| if dynamic { count } else { 1 };
     [
-        ("surface map", vk::Format::R32G32B32A32_UINT, 1),
-        ("albedo map", RADIANCE, 1),
-        ("emission map", RADIANCE, 1),
-        ("footprint map", vk::Format::R32_UINT, 1),
-        ("direct map", RADIANCE, usize::from(features.contains(Features::LIGHTS))),
-        (if dynamic { "running average" } else { "mean of even quanta" }, RADIANCE, 1),
-        (if dynamic { "last visit" } else { "mean of odd quanta" }, RADIANCE, 1),
-        ("source map", RADIANCE, several(2)),
-        ("light map", RADIANCE, several(PUBLISHED)),
+        ("surface map", vk::Format::R32G32B32A32_UINT, size, 1),
+        ("albedo map", RADIANCE, size, 1),
+        ("emission map", RADIANCE, size, 1),
+        ("footprint map", vk::Format::R32_UINT, size, 1),
+        ("direct map", RADIANCE, size, usize::from(features.contains(Features::LIGHTS))),
+        (if dynamic { "running average" } else { "mean of even quanta" }, RADIANCE, size, 1),
+        (if dynamic { "last visit" } else { "mean of odd quanta" }, RADIANCE, size, 1),
+        ("source map", RADIANCE, size, several(2)),
+        ("importance pyramid", RADIANCE, pyramid, importance),
+        ("sky importance pyramid", RADIANCE, sky, sky_importance),
+        ("evidence map", RADIANCE, size, importance),
+        ("sky evidence map", RADIANCE, size, sky_importance),
+        ("light map", RADIANCE, size, several(PUBLISHED)),
     ]
 }
 
 impl Maps {
-    pub(crate) fn new(gpu: &Gpu, commands: &mut Commands, size: [u32; 2], features: Features) -> Result<Self> {
-        let plans = plans(features);
+    /// `sky`: size of the sky map, where there is one.
+    pub(crate) fn new(
+        gpu: &Gpu,
+        commands: &mut Commands,
+        size: [u32; 2],
+        sky: [u32; 2],
+        features: Features,
+    ) -> Result<Self> {
+        let plans = plans(size, sky, features);
         let usage = vk::ImageUsageFlags::STORAGE
             | vk::ImageUsageFlags::SAMPLED
             | vk::ImageUsageFlags::TRANSFER_SRC
             | vk::ImageUsageFlags::TRANSFER_DST;
         let attachment = usage | vk::ImageUsageFlags::COLOR_ATTACHMENT;
         let image = |index: usize, usage| {
-            let (name, format, count) = plans[index];
+            let (name, format, size, count) = plans[index];
             let size = if count > 0 { size } else { [1, 1] };
             Image::new(gpu, ImageDesc { name, size, format, usage, mip_levels: 1 })
         };
-        let several = |index: usize| (0..plans[index].2).map(|_| image(index, usage)).collect::<Result<Vec<_>>>();
+        let several = |index: usize| (0..plans[index].3).map(|_| image(index, usage)).collect::<Result<Vec<_>>>();
         let maps = Self {
             size,
             surface: image(0, attachment)?,
@@ -76,7 +98,11 @@ impl Maps {
             mean_even: image(5, usage)?,
             mean_odd: image(6, usage)?,
             source: several(7)?,
-            light_map: several(8)?,
+            importance: image(8, usage)?,
+            sky_importance: image(9, usage)?,
+            evidence: image(10, usage)?,
+            sky_evidence: image(11, usage)?,
+            light_map: several(12)?,
         };
         commands.run(|recorder| {
             recorder.initialise(&maps.all());
@@ -94,15 +120,24 @@ impl Maps {
             &self.direct,
             &self.mean_even,
             &self.mean_odd,
+            &self.importance,
+            &self.sky_importance,
+            &self.evidence,
+            &self.sky_evidence,
         ];
         single.into_iter().chain(&self.source).chain(&self.light_map).collect()
     }
 
     /// Bytes that the images take, by name.
-    pub(crate) fn bytes(size: [u32; 2], features: Features) -> impl Iterator<Item = (&'static str, u64)> {
-        let texels = u64::from(size[0]) * u64::from(size[1]);
-        let bytes = move |(name, format, count): Plan| (name, texels * texel_bytes(format) * count as u64);
-        plans(features).into_iter().filter(|(_, _, count)| *count > 0).map(bytes)
+    pub(crate) fn bytes(
+        size: [u32; 2],
+        sky: [u32; 2],
+        features: Features,
+    ) -> impl Iterator<Item = (&'static str, u64)> {
+        let bytes = move |(name, format, size, count): Plan| {
+            (name, u64::from(size[0]) * u64::from(size[1]) * texel_bytes(format) * count as u64)
+        };
+        plans(size, sky, features).into_iter().filter(|(_, _, _, count)| *count > 0).map(bytes)
     }
 }
 

@@ -1,6 +1,8 @@
 //! Per-triangle data in the hierarchy's order, as the shaders read it.
 
+use super::sheets;
 use crate::bvh::Bvh;
+use crate::features::Features;
 use crate::gpu::layout::{Material, Primitive, Texcoords};
 use crate::scene::{Mesh, Scene, Sidedness};
 use glam::{DMat3, Vec2, Vec3};
@@ -57,7 +59,7 @@ impl Radiators {
     }
 }
 
-pub(super) fn encode(scene: &Scene, bvh: &Bvh) -> Encoded {
+pub(super) fn encode(scene: &Scene, bvh: &Bvh, features: Features) -> Encoded {
     let textured = scene.meshes().iter().any(|mesh| !mesh.albedo_uvs().is_empty());
     let mut encoded = Encoded {
         primitives: vec![bytemuck::Zeroable::zeroed(); bvh.triangles.len()],
@@ -65,9 +67,12 @@ pub(super) fn encode(scene: &Scene, bvh: &Bvh) -> Encoded {
         radiators: Radiators::new(scene),
     };
     for ((mesh, range), order) in scene.meshes().iter().zip(&bvh.meshes).zip(&bvh.order) {
+        let sheets = if features.contains(Features::IMPORTANCE) { sheets::of_mesh(mesh) } else { Vec::new() };
         for (slot, triangle) in order.iter().enumerate() {
             let index = range.first_primitive as usize + slot;
-            encoded.primitives[index] = encoded.primitive(scene, bvh, mesh, *triangle as usize);
+            let primitive = encoded.primitive(scene, bvh, mesh, *triangle as usize);
+            let sheet = sheets.get(*triangle as usize).copied().unwrap_or_default();
+            encoded.primitives[index] = Primitive { sheet, ..primitive };
             if !mesh.albedo_uvs().is_empty() {
                 let corners = |uvs: &[[Vec2; 3]]| bvh.corners().map(|c| uvs[*triangle as usize][c].into());
                 let (albedo, emission) = (corners(mesh.albedo_uvs()), corners(mesh.emission_uvs()));
@@ -94,7 +99,7 @@ impl Encoded {
             normals: corners.map(|c| octahedral(shading * world_normal(normals[c], to_world))),
             material: self.radiating_material(scene, mesh, triangle, uvs.is_none()),
             flags,
-            pad: 0,
+            sheet: 0,
         }
     }
 

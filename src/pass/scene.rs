@@ -43,7 +43,7 @@ impl DeviceScene {
         bvh: &Bvh,
         features: Features,
     ) -> Result<Self> {
-        let Encoded { primitives, texcoords, radiators } = primitives::encode(scene, bvh);
+        let Encoded { primitives, texcoords, radiators } = primitives::encode(scene, bvh, features);
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let hardware = gpu.backend() == Backend::RayQuery;
         let input = vk::BufferUsageFlags::SHADER_DEVICE_ADDRESS
@@ -92,6 +92,11 @@ impl DeviceScene {
         let mut resources = self.surface_resources();
         resources.push((binding::HIERARCHY, hierarchy));
         resources
+    }
+
+    /// Columns and rows of the sky map.
+    pub(crate) fn sky_size(&self) -> [u32; 2] {
+        self.sky.size()
     }
 
     pub(super) fn sky(&self) -> (u32, Resource<'_>) {

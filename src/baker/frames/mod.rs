@@ -32,9 +32,8 @@ use std::time::{Duration, Instant};
 use timing::TIMED;
 use world::{Changes, World};
 
-/// Side of the grid of strata of a quantum: 16 rays.
-const STRATA_SIDE: u32 = 4;
-const RAYS: u32 = STRATA_SIDE * STRATA_SIDE;
+/// Rays of a quantum, each of a stratum of its own.
+const RAYS: u32 = 16;
 
 /// A baker's state between frames.
 pub(super) struct Frames {
@@ -262,7 +261,7 @@ impl Frames {
             self.quanta = work.quanta;
         }
         let world = self.settling.world(now_s, self.sweeps);
-        let push = Push { strata_side: STRATA_SIDE, first_sample: self.first_sample, ..core.push };
+        let push = Push { rays: RAYS, first_sample: self.first_sample, ..core.push };
         let mut first = work.items.start;
         let mut history = None;
         // Tiles that were last visited together weigh their history alike, and go in one dispatch.
@@ -376,7 +375,7 @@ impl Passes {
             source: Source::new(context, texels)?,
             publish: Publish::new(context, nearest)?,
         };
-        let nothing = Push { map_size: [0, 0], strata_side: 1, ..*push };
+        let nothing = Push { map_size: [0, 0], rays: 1, ..*push };
         core.commands.run(|recorder| {
             if let Some(direct) = &passes.direct {
                 direct.record(recorder, &nothing, 0..0);

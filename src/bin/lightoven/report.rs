@@ -1,6 +1,6 @@
 //! What is said about a bake when it is done: as JSON with stable names, and in short for people.
 
-use lightoven::baker::{Baker, Outcome};
+use lightoven::baker::{Baker, Outcome, SamplingStatistics};
 use lightoven::gpu::Gpu;
 use lightoven::io::write_beside;
 use lightoven::scene::Scene;
@@ -29,11 +29,57 @@ pub(crate) struct Report {
     pub(crate) mrays_per_s: f64,
     /// Relative; `null` where there are too few samples to tell.
     pub(crate) estimated_error: Option<f32>,
+    pub(crate) sampling: Sampling,
     pub(crate) seconds: Seconds,
     pub(crate) warnings: Vec<String>,
     pub(crate) instances: Vec<Place>,
     pub(crate) seed: u64,
     pub(crate) interrupted: bool,
+}
+
+/// How rays were sent.
+#[derive(Debug, Serialize)]
+pub(crate) struct Sampling {
+    /// Share of rays sent by the cosine at the end: the mixture's alpha.
+    alpha: f32,
+    /// Of all rays of the bake.
+    shares: Shares,
+    /// Share of aimed rays that saw what they were aimed at, lately; `null` where none was aimed.
+    visible: Visible,
+    /// 1: all surfaces shine alike; toward 0 the smaller the part that shines. `null` where no ray may be aimed.
+    evenness: Option<f32>,
+    pyramids: u64,
+}
+
+#[derive(Debug, Serialize)]
+struct Shares {
+    cosine: f64,
+    source: f64,
+    sky: f64,
+}
+
+#[derive(Debug, Serialize)]
+struct Visible {
+    source: Option<f32>,
+    sky: Option<f32>,
+}
+
+impl Sampling {
+    fn new(statistics: &SamplingStatistics) -> Self {
+        let rays = statistics.cosine_rays + statistics.source_rays + statistics.sky_rays;
+        let share = |part: u64| part as f64 / rays.max(1) as f64;
+        Self {
+            alpha: statistics.cosine_share,
+            shares: Shares {
+                cosine: share(statistics.cosine_rays),
+                source: share(statistics.source_rays),
+                sky: share(statistics.sky_rays),
+            },
+            visible: Visible { source: statistics.source_seen, sky: statistics.sky_seen },
+            evenness: statistics.evenness,
+            pyramids: statistics.pyramids,
+        }
+    }
 }
 
 /// Where the time went, in seconds. Shader and JIT compilation counts as `compile` alone.
@@ -92,6 +138,7 @@ impl Report {
             rays: statistics.rays,
             mrays_per_s: statistics.mrays_per_s,
             estimated_error: statistics.estimated_error,
+            sampling: Sampling::new(&statistics.sampling),
             seconds: Seconds {
                 load: measured.load,
                 bvh: passes.bvh,

@@ -35,7 +35,7 @@ fn host_structs() -> Vec<HostStruct> {
     vec![
         host_struct!("Node", Node { lo0, child0, hi0, child1, lo1, hi1 }),
         host_struct!("Triangle", Triangle { corners }),
-        host_struct!("Primitive", Primitive { uvs, normals, material, flags }),
+        host_struct!("Primitive", Primitive { uvs, normals, material, flags, sheet }),
         host_struct!("Material", Material { albedo, emission }),
         host_struct!(
             "Instance",
@@ -61,7 +61,11 @@ fn host_structs() -> Vec<HostStruct> {
                 instance,
                 step_texels,
                 mean_luminance,
-                strata_side,
+                rays,
+                source_rays,
+                sky_rays,
+                first_level,
+                end_level,
                 first_sample,
                 history
             }
@@ -117,6 +121,11 @@ fn host_bindings() -> BTreeMap<u32, BTreeSet<Kind>> {
         (binding::NEAREST_AFTER, vec![image("R32ui")]),
         (binding::RAYS, vec![storage("Ray")]),
         (binding::ANSWERS, vec![storage("Answer")]),
+        (binding::IMPORTANCE, vec![Kind::Sampled]),
+        (binding::SKY_IMPORTANCE, vec![Kind::Sampled]),
+        (binding::PYRAMID, vec![radiance()]),
+        (binding::EVIDENCE, vec![radiance()]),
+        (binding::SKY_EVIDENCE, vec![radiance()]),
     ];
     bindings.into_iter().map(|(binding, kinds)| (binding, kinds.into_iter().collect())).collect()
 }

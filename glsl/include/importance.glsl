@@ -1,0 +1,73 @@
+// Rays toward light: to texels by luminance times area, and to a sky map's pixels by luminance times solid angle, each
+// with its density over solid angle. Both that a ray was aimed at something and that a cosine-distributed one happened to
+// go there are weighed by the densities of all techniques.
+//
+// "Interactive Light Mapping with PowerVR Ray Tracing": sample the light map by its luminance, with a line-of-sight ray.
+#ifndef IMPORTANCE_GLSL
+#define IMPORTANCE_GLSL
+
+#include "pyramid.glsl"
+#include "sky.glsl"
+#include "surface.glsl"
+
+layout(set = 0, binding = 26) uniform texture2D importance_map;
+layout(set = 0, binding = 27) uniform texture2D sky_importance_map;
+
+// A line of sight goes a little beyond its end, which rounding must not hide.
+const float BEYOND_SIGHT = 1.001;
+
+// From the ray's origin to a point of a texel that `u` chooses, and that texel by a leaf that `choice` in [0,1) chooses.
+// False: there is none.
+bool aim_at_source(float choice, vec2 u, uint texel, uint sample_index, inout Ray ray, out uvec2 target) {
+    if (!choose_leaf(importance_map, push.map_size, choice, texel, sample_index, target)) return false;
+    uvec4 g = imageLoad(surface_image, ivec2(target));
+    Patch p = patch_of(target, g.x - 1u, g.y);
+    vec2 at = mix(p.lo, p.hi, u);
+    vec3 way = p.origin + p.du * at.x + p.dv * at.y - ray.origin;
+    float far = length(way);
+    if (!(far > 0.0)) return false;
+    ray.direction = way / far;
+    ray.t_max = far * BEYOND_SIGHT;
+    return true;
+}
+
+// Density over solid angle of a ray that the source technique aims to where this one hit.
+float source_density(Hit hit, vec2 place, vec3 direction, float total) {
+    uvec2 texel = uvec2(place);
+    float leaf = pyramid_leaf(importance_map, texel);
+    if (leaf == 0.0) return 0.0;
+    uvec4 g = imageLoad(surface_image, ivec2(texel));
+    // Another surface in the same texel is never aimed at.
+    if (g.x != hit.instance + 1u || primitives[g.y].sheet != primitives[hit.primitive].sheet) return 0.0;
+    Patch p = patch_of(texel, hit.instance, g.y);
+    vec2 at = place - vec2(texel);
+    if (any(lessThan(at, p.lo)) || any(greaterThan(at, p.hi))) return 0.0;
+    float seen = abs(dot(area_of(p), direction));
+    return leaf / total * hit.t / seen * hit.t;
+}
+
+vec2 sky_row_cosines(uint row, uint rows) {
+    return cos(vec2(row, row + 1u) * (PI / float(rows)));
+}
+
+// Toward a pixel of the sky that `choice` chooses, evenly over its solid angle.
+bool aim_at_sky(float choice, vec2 u, uint texel, uint sample_index, inout Ray ray) {
+    uvec2 size = uvec2(textureSize(sky_map, 0));
+    uvec2 pixel;
+    if (!choose_leaf(sky_importance_map, size, choice, texel, sample_index, pixel)) return false;
+    vec2 cosines = sky_row_cosines(pixel.y, size.y);
+    float y = mix(cosines.x, cosines.y, u.y);
+    float angle = 2.0 * PI * ((float(pixel.x) + u.x) / float(size.x) - 0.5);
+    float radius = sqrt(max(0.0, 1.0 - y * y));
+    ray.direction = vec3(radius * cos(angle), y, radius * sin(angle));
+    ray.t_max = 1e30;
+    return true;
+}
+
+float sky_density(vec3 direction, float total) {
+    uvec2 size = uvec2(textureSize(sky_map, 0));
+    uvec2 pixel = uvec2(sky_pixel(direction));
+    return pyramid_leaf(sky_importance_map, pixel) / total / sky_solid_angle(pixel.y, size);
+}
+
+#endif

@@ -1,0 +1,110 @@
+// A texel's rays: some by the cosine, some aimed, each weighed by the density of all (one sample model of the balance
+// heuristic, with fixed numbers: Veach and Guibas, "Optimally Combining Sampling Techniques", SIGGRAPH 1995).
+#ifndef MIXTURE_GLSL
+#define MIXTURE_GLSL
+
+#include "importance.glsl"
+#include "radiance.glsl"
+#include "sampling.glsl"
+
+const uint FOOTPRINT_TRIES = 4u;
+
+// A point of the texel that lies on its triangle and within its footprint.
+vec2 choose_point(Surface s, vec4 sides, uint texel, uint sample_index, vec2 u) {
+    for (uint attempt = 1u; attempt <= FOOTPRINT_TRIES; ++attempt) {
+        vec2 p = mix(sides.xy, sides.zw, u);
+        if (on_triangle(s, p)) return p;
+        u = random4(texel, sample_index, attempt).xy;
+    }
+    return clamp(s.start, sides.xy, sides.zw);
+}
+
+// A texel and what its rays have in common.
+struct Receiver {
+    Surface surface;
+    mat3 frame;
+    vec4 sides;
+    uint key;
+    float source_total;  // of the pyramids
+    float sky_total;
+};
+
+// What a ray must find.
+struct Aim {
+    uint technique;
+    uvec2 texel;
+};
+
+const uint BY_COSINE = 0u;
+const uint BY_SOURCE = 1u;
+const uint BY_SKY = 2u;
+
+// What rays tell of other mixtures than theirs: the second moment of a ray of each, in units of the mean luminance,
+// and how many aimed rays found what they were aimed at. `hits`, `misses`: for cosine alone, and with the shares of
+// OTHERS; src/sampling.rs chooses by them.
+struct Evidence {
+    vec3 hits;
+    vec3 misses;
+    float seen;
+    float sky_seen;
+};
+
+// Shares of the cosine, and of the technique that found what was seen.
+const vec3 COSINES = SKY_MAP ? vec3(1.0, 0.5, 0.5) : vec3(1.0, 0.5, 0.25);
+const vec3 OTHERS = SKY_MAP ? vec3(0.0, 0.5, 0.25) : vec3(0.0, 0.5, 0.75);
+const vec3 LUMINANCE = vec3(0.2126, 0.7152, 0.0722);
+
+// Where ray `index` of a quantum goes; false: nowhere, and no ray is traced. Techniques take turns, each over strata of
+// its own.
+bool aim_ray(Receiver r, uint index, uint sample_index, out Ray ray, out Aim aim) {
+    uint cosine_rays = push.rays - push.source_rays - push.sky_rays;
+    vec4 u = random4(r.key, sample_index, 0u);
+    vec3 point = point_at(r.surface, choose_point(r.surface, r.sides, r.key, sample_index, u.zw));
+    ray = ray_from(r.surface, point, vec3(0.0), 0.0);
+    aim.technique = index < cosine_rays ? BY_COSINE : index < cosine_rays + push.source_rays ? BY_SOURCE : BY_SKY;
+    bool aimed = true;
+    if (!IMPORTANCE || aim.technique == BY_COSINE) {
+        ray.direction = r.frame * cosine_direction(stratified(index, cosine_rays, u.xy));
+        ray.t_max = 1e30;
+    } else {
+        float jitter = random4(r.key, sample_index, WALK_DIMENSION - 1u).x;
+        if (aim.technique == BY_SOURCE) {
+            float choice = (float(index - cosine_rays) + jitter) / float(push.source_rays);
+            aimed = aim_at_source(choice, u.xy, r.key, sample_index, ray, aim.texel);
+        } else {
+            float choice = (float(index - cosine_rays - push.source_rays) + jitter) / float(push.sky_rays);
+            aimed = SKY_MAP && aim_at_sky(choice, u.xy, r.key, sample_index, ray);
+        }
+    }
+    // Under the triangle, where only the shading normal looks, or under the horizon: nothing comes from there.
+    return aimed && dot(ray.direction, r.surface.geometric_normal) > 0.0 && dot(ray.direction, r.surface.normal) > 0.0;
+}
+
+// Irradiance that a ray adds to a quantum's: radiance times cosine over the density of all the quantum's rays.
+vec3 weigh(Receiver r, Hit hit, vec3 direction, Aim aim, inout Evidence evidence) {
+    vec2 place = hit.committed ? place_of_hit(hit) : vec2(0.0);
+    vec3 radiance = hit.committed ? on_hit(hit, ivec2(place)) : on_miss(direction);
+    if (!IMPORTANCE || push.source_rays + push.sky_rays == 0u) return radiance * (PI / float(push.rays));
+    float cosine = dot(direction, r.surface.normal);
+    float rays = float(hit.committed ? push.source_rays : push.sky_rays);
+    bool mapped = !UNMAPPED || (primitives[hit.primitive].flags & PRIMITIVE_MAPPED) != 0u;
+    float aimed = 0.0;
+    if (hit.committed && mapped) aimed = source_density(hit, place, direction, r.source_total);
+    if (SKY_MAP && !hit.committed) aimed = sky_density(direction, r.sky_total);
+    if (aim.technique != BY_COSINE) {
+        // A line of sight counts where it finds the very texel.
+        bool found = hit.committed == (aim.technique == BY_SOURCE) && aimed > 0.0;
+        if (!found || aim.technique == BY_SOURCE && uvec2(place) != aim.texel) return vec3(0.0);
+        if (aim.technique == BY_SOURCE) evidence.seen += 1.0;
+        else evidence.sky_seen += 1.0;
+    }
+    float density = float(push.rays - push.source_rays - push.sky_rays) * (cosine / PI) + rays * aimed;
+    if (!(density > 0.0)) return vec3(0.0);
+    float part = dot(radiance, LUMINANCE) * cosine * (push.mean_luminance > 0.0 ? 1.0 / push.mean_luminance : 1.0);
+    vec3 moments = part * part / density / (COSINES * (cosine / PI) + OTHERS * aimed);
+    if (hit.committed || !SKY_MAP) evidence.hits += moments;
+    else evidence.misses += moments;
+    return radiance * (cosine / density);
+}
+
+#endif

@@ -1,0 +1,83 @@
+//! How rays are aimed in a static bake: the pyramids are made from the source map, and what rays have shown decides how
+//! many are aimed.
+
+use super::{Core, Sampling};
+use crate::error::Result;
+use crate::features::Features;
+use crate::gpu::layout::Push;
+use crate::pass::{Context, Importance};
+use crate::sampling::Chooser;
+
+/// Without the feature nothing is aimed and nothing is made.
+pub(super) struct Aiming {
+    pass: Option<Importance>,
+    chooser: Chooser,
+    sky_made: bool,
+}
+
+/// What a pyramid is made anew for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Occasion {
+    /// What shines has changed.
+    NewSource,
+    /// Rays have been aimed by the last one, and tell how well.
+    Epoch,
+}
+
+impl Aiming {
+    pub(super) fn new(core: &mut Core, sampling: Sampling) -> Result<Self> {
+        let context = Context { gpu: &core.gpu, constants: core.constants, scene: &core.scene, maps: &core.maps };
+        let pass = core.features.contains(Features::IMPORTANCE).then(|| Importance::new(context)).transpose()?;
+        let chooser = Chooser::new(sampling, core.features.contains(Features::SKY_MAP));
+        if let Some(pass) = &pass {
+            // On nothing: drivers that compile at the first use do so here.
+            let nothing = Push { map_size: [0, 0], ..core.push };
+            core.commands.run(|recorder| {
+                pass.record_leaves(recorder, &nothing, 0, 0..1);
+                Ok(())
+            })?;
+        }
+        Ok(Self { pass, chooser, sky_made: false })
+    }
+
+    /// A quantum of `rays`, some of them aimed.
+    pub(super) fn push(&self, push: Push, rays: u32) -> Push {
+        let [source_rays, sky_rays] = self.chooser.shares().aimed_rays(rays);
+        Push { rays, source_rays, sky_rays, ..push }
+    }
+
+    /// Makes the pyramids from the source map, and chooses how many rays are aimed. Where none are and none may be, nothing
+    /// is done.
+    pub(super) fn refresh(&mut self, core: &mut Core, occasion: Occasion) -> Result<()> {
+        let Some(pass) = &self.pass else { return Ok(()) };
+        if occasion == Occasion::Epoch && !self.chooser.shares().any_aimed() {
+            return Ok(());
+        }
+        let push = &core.push;
+        let make_sky = !std::mem::replace(&mut self.sky_made, true);
+        core.commands.run(|recorder| {
+            pass.record_leaves(recorder, push, 0, 0..pass.rows());
+            pass.record_levels(recorder, push);
+            if make_sky {
+                pass.record_sky(recorder, push);
+            }
+            Ok(())
+        })?;
+        let sums = pass.read_sums(core.texels.count);
+        let statistics = &mut core.statistics;
+        if sums.invalid > 0 {
+            let invalid = sums.invalid;
+            statistics.warn(format!("{invalid} texels shine beyond what 32-bit floats hold; no ray is aimed at them"));
+        }
+        statistics.sampling.evenness = Some(sums.evidence.evenness() as f32);
+        statistics.sampling.pyramids += 1;
+        match occasion {
+            Occasion::NewSource => self.chooser.begin(&sums.evidence),
+            Occasion::Epoch => {
+                statistics.sampling.saw(self.chooser.shares().aimed_rays(64), sums.seen);
+                self.chooser.learn(&sums.evidence);
+            }
+        }
+        Ok(())
+    }
+}
