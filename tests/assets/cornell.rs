@@ -2,6 +2,7 @@
 
 use crate::faces::{Face, Part, charts, standing_box};
 use crate::gltf_builder::Builder;
+use crate::materials::{matte, shining};
 use glam::Vec2;
 use serde_json::{Value, json};
 
@@ -28,22 +29,14 @@ const LAMP: usize = 3;
 fn room() -> [Face; 6] {
     let (w, h, d) = (HALF_WIDTH, HEIGHT, HALF_DEPTH);
     let mut ceiling = Face::new([-w, h, -d], [2.0 * w, 0.0, 0.0], [0.0, 0.0, 2.0 * d]);
-    let hole = [[213.0, 227.0], [343.0, 332.0]].map(|corner| Vec2::from(corner) / Vec2::new(552.8, 559.2));
-    ceiling.hole = Some(hole);
-    let [from, to] = hole;
-    let lamp = Face {
-        origin: ceiling.origin + ceiling.u * from.x + ceiling.v * from.y,
-        u: ceiling.u * (to.x - from.x),
-        v: ceiling.v * (to.y - from.y),
-        hole: None,
-    };
+    ceiling.hole = Some([[213.0, 227.0], [343.0, 332.0]].map(|corner| Vec2::from(corner) / Vec2::new(552.8, 559.2)));
     [
         Face::new([-w, 0.0, d], [2.0 * w, 0.0, 0.0], [0.0, 0.0, -2.0 * d]),
         ceiling,
         Face::new([-w, 0.0, -d], [2.0 * w, 0.0, 0.0], [0.0, h, 0.0]),
         Face::new([-w, 0.0, d], [0.0, 0.0, -2.0 * d], [0.0, h, 0.0]),
         Face::new([w, 0.0, -d], [0.0, 0.0, 2.0 * d], [0.0, h, 0.0]),
-        lamp,
+        ceiling.filling(),
     ]
 }
 
@@ -52,21 +45,12 @@ fn block(height: f32) -> Vec<Face> {
 }
 
 fn materials(builder: &mut Builder) {
-    for (name, [r, g, b]) in
-        [("white", [0.725, 0.71, 0.68]), ("red", [0.63, 0.065, 0.05]), ("green", [0.14, 0.45, 0.091])]
+    for (name, albedo) in [("white", [0.725, 0.71, 0.68]), ("red", [0.63, 0.065, 0.05]), ("green", [0.14, 0.45, 0.091])]
     {
-        let pbr = json!({ "baseColorFactor": [r, g, b, 1.0], "metallicFactor": 0 });
-        builder.push("materials", json!({ "name": name, "pbrMetallicRoughness": pbr }));
+        builder.push("materials", matte(name, albedo));
     }
     // Radiance 17, 12, 4.
-    builder.push(
-        "materials",
-        json!({
-            "name": "lamp", "emissiveFactor": [1.0, 0.705882, 0.235294],
-            "pbrMetallicRoughness": { "baseColorFactor": [0.78, 0.78, 0.78, 1.0], "metallicFactor": 0 },
-            "extensions": { "KHR_materials_emissive_strength": { "emissiveStrength": 17 } },
-        }),
-    );
+    builder.push("materials", shining(matte("lamp", [0.78; 3]), [1.0, 0.705882, 0.235294], 17));
 }
 
 pub(crate) fn build() -> Builder {

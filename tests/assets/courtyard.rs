@@ -2,6 +2,7 @@
 
 use crate::faces::{Chart, Face, Part, charts, standing_box};
 use crate::gltf_builder::{Builder, png};
+use crate::materials::matte;
 use glam::{Vec2, Vec3};
 use serde_json::{Value, json};
 use std::f32::consts::FRAC_1_SQRT_2;
@@ -55,23 +56,22 @@ pub(crate) fn sign() -> Vec<u8> {
 }
 
 fn materials(builder: &mut Builder) {
-    let plain = |name: &str, [r, g, b]: [f64; 3]| json!({ "name": name, "pbrMetallicRoughness": { "baseColorFactor": [r, g, b, 1.0], "metallicFactor": 0 } });
-    builder.push("materials", plain("plaster", [0.8, 0.72, 0.58]));
+    builder.push("materials", matte("plaster", [0.8, 0.72, 0.58]));
     // Texture coordinates are metres; a texture is 1.6 m wide and lies askew.
     let transform = json!({ "scale": [0.625, 0.625], "rotation": 0.2, "offset": [0.1, 0.3] });
     let texture = json!({ "index": 0, "extensions": { "KHR_texture_transform": transform } });
-    let mut paving = plain("paving", [0.9, 0.9, 0.9]);
+    let mut paving = matte("paving", [0.9, 0.9, 0.9]);
     paving["pbrMetallicRoughness"]["baseColorTexture"] = texture;
     builder.push("materials", paving);
-    builder.push("materials", plain("stone", [0.6, 0.6, 0.62]));
+    builder.push("materials", matte("stone", [0.6, 0.6, 0.62]));
     // Texture coordinates are metres here too; the sign is 1.6 m by 0.8 m, its image's top row up.
     let transform = json!({ "scale": [0.625, -1.25], "offset": [0.0, 1.0] });
-    let mut neon = plain("neon", [0.05, 0.05, 0.05]);
+    let mut neon = matte("neon", [0.05, 0.05, 0.05]);
     neon["emissiveFactor"] = json!([1, 1, 1]);
     neon["emissiveTexture"] = json!({ "index": 1, "extensions": { "KHR_texture_transform": transform } });
     neon["extensions"] = json!({ "KHR_materials_emissive_strength": { "emissiveStrength": 8 } });
     builder.push("materials", neon);
-    let mut cloth = plain("cloth", [0.55, 0.08, 0.1]);
+    let mut cloth = matte("cloth", [0.55, 0.08, 0.1]);
     cloth["doubleSided"] = json!(true);
     builder.push("materials", cloth);
     builder.root["samplers"] = json!([{ "wrapS": 10497, "wrapT": 10497 }, { "wrapS": 33071, "wrapT": 33071 }]);

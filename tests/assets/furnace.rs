@@ -1,22 +1,12 @@
 //! A closed cube seen from inside: every surface has albedo 1/2 and emits 1.
 
-use crate::faces::{Chart, Face, Part};
+use crate::faces::{Chart, Part, room};
 use crate::gltf_builder::Builder;
 use glam::Vec2;
 use serde_json::json;
 
-/// Faces point inward.
-const FACES: [[[f32; 3]; 3]; 6] = [
-    [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]],
-    [[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]],
-    [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
-    [[1.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
-    [[0.0, 0.0, 1.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]],
-    [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0]],
-];
-
 pub(crate) fn build() -> Builder {
-    let faces = FACES.map(|[origin, u, v]| Face::new(origin, u, v));
+    let faces = room([0.0; 3], [1.0; 3]);
     // 3 x 2 charts of 16 x 16 texels at 64, their sides on texel borders.
     let charts: Vec<Chart> = (0..6)
         .map(|i| Vec2::new((4 + 20 * (i % 3)) as f32, (12 + 24 * (i / 3)) as f32))
