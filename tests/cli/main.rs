@@ -5,3 +5,4 @@ mod bake;
 mod compare;
 mod support;
 mod usage;
+mod variance;

@@ -5,6 +5,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use glam::Vec3;
 use lightoven::baker::{Bounces, Sampling, Stop};
 use lightoven::gpu::BackendChoice;
+use lightoven::headless::{HeadlessSettings, Validation};
 use lightoven::io::gltf::SidednessChoice;
 use lightoven::scene::Resolution;
 use std::path::PathBuf;
@@ -26,6 +27,8 @@ pub(crate) enum Command {
     Info(Info),
     /// Measure how far light map A is from a reference B
     Compare(Compare),
+    /// Measure how noisy each way of sampling is
+    Variance(Variance),
 }
 
 /// Bake a glTF scene to an EXR light map
@@ -59,12 +62,8 @@ pub(crate) struct Bake {
     /// Seed of the random numbers: the same seed on the same device gives the same light map for --samples
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = values::seed, allow_negative_numbers = true)]
     pub(crate) seed: u64,
-    /// Which way rays are traced
-    #[arg(long, value_enum, default_value = "auto")]
-    backend: BackendArgument,
-    /// The device: its index or a part of its name; `lightoven info` lists them
-    #[arg(long, value_name = "INDEX|NAME")]
-    pub(crate) device: Option<String>,
+    #[command(flatten)]
+    pub(crate) device: DeviceArguments,
     /// Write figures about the bake as JSON
     #[arg(long, value_name = "R.json")]
     pub(crate) report: Option<PathBuf>,
@@ -91,6 +90,17 @@ pub(crate) struct SceneArguments {
     /// Let every surface answer on both sides, as Blender does
     #[arg(long)]
     double_sided: bool,
+}
+
+/// What a bake runs on.
+#[derive(Debug, Args)]
+pub(crate) struct DeviceArguments {
+    /// Which way rays are traced
+    #[arg(long, value_enum, default_value = "auto")]
+    backend: BackendArgument,
+    /// The device: its index or a part of its name; `lightoven info` lists them
+    #[arg(long, value_name = "INDEX|NAME")]
+    device: Option<String>,
 }
 
 /// Show devices and limits and, for a scene, what a bake would do
@@ -120,6 +130,39 @@ pub(crate) struct Compare {
     pub(crate) report: Option<PathBuf>,
 }
 
+/// Measure how noisy each way of sampling is
+///
+/// Bakes a reference, then each way of sampling with seeds from 1 on, and tells the variance a ray: the mean squared
+/// difference from the reference, times the samples a texel. Over texels with A > 0.5 and a luminance (Rec. 709) in the
+/// reference of more than 1 % of its mean.
+#[derive(Debug, Args)]
+pub(crate) struct Variance {
+    /// The scene: .gltf or .glb
+    pub(crate) scene: PathBuf,
+    #[command(flatten)]
+    pub(crate) how: SceneArguments,
+    /// Ways of sampling, as `lightoven bake` takes them; the others are compared with the first
+    #[arg(long, value_name = "A,B,..", default_value = "cosine,auto", value_delimiter = ',', value_parser = values::sampling, allow_hyphen_values = true)]
+    pub(crate) sampling: Vec<Sampling>,
+    /// Samples a texel of each bake, rounded up to a multiple of 64
+    #[arg(long, value_name = "N", default_value_t = 256, value_parser = values::few_samples, allow_negative_numbers = true)]
+    pub(crate) samples: u32,
+    /// Bakes for each way of sampling, with seeds 1 to K
+    #[arg(long, value_name = "K", default_value_t = 16, value_parser = values::seeds, allow_negative_numbers = true)]
+    pub(crate) seeds: u32,
+    /// Samples a texel of the reference
+    #[arg(long, value_name = "M", default_value_t = 16384, value_parser = values::samples, allow_negative_numbers = true)]
+    pub(crate) reference_samples: u32,
+    /// How often light is reflected between surfaces: auto, or 0 to 1000
+    #[arg(long, value_name = "auto|N", default_value = "auto", value_parser = values::bounces, allow_negative_numbers = true)]
+    pub(crate) bounces: Bounces,
+    #[command(flatten)]
+    pub(crate) device: DeviceArguments,
+    /// Write the figures as JSON too
+    #[arg(long, value_name = "R.json")]
+    pub(crate) report: Option<PathBuf>,
+}
+
 /// A sky as it is asked for.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum SkyArgument {
@@ -144,13 +187,16 @@ impl Bake {
             (samples, error, time) => Stop { samples, error, time },
         }
     }
+}
 
-    pub(crate) fn backend(&self) -> BackendChoice {
-        match self.backend {
+impl DeviceArguments {
+    pub(crate) fn settings(&self, validation: Validation) -> HeadlessSettings {
+        let backend = match self.backend {
             BackendArgument::Auto => BackendChoice::Auto,
             BackendArgument::Software => BackendChoice::Software,
             BackendArgument::RayQuery => BackendChoice::RayQuery,
-        }
+        };
+        HeadlessSettings { device: self.device.clone(), backend, validation }
     }
 }
 

@@ -1,20 +1,19 @@
 //! `lightoven bake`: a scene in, a light map out.
 
 use crate::Ending;
-use crate::arguments::{Bake, SkyArgument};
+use crate::arguments::Bake;
 use crate::paths;
 use crate::progress::{Bar, Visibility};
 use crate::report::{Measured, Report, write_json};
-use crate::{interrupt, load, messages};
+use crate::{device, interrupt, load, messages};
+use lightoven::Result;
 use lightoven::baker::{BakeSettings, Baker, LightMap, Outcome};
-use lightoven::headless::{Headless, HeadlessSettings, Validation};
+use lightoven::headless::Headless;
 use lightoven::io::exr::{Metadata, write_light_map};
 use lightoven::io::preview;
 use lightoven::scene::Scene;
-use lightoven::{Error, ErrorKind, Result};
 use std::fmt::Write as _;
 use std::ops::ControlFlow;
-
 use std::time::Instant;
 
 /// Bakes; `start` is when the command began.
@@ -29,7 +28,7 @@ pub(crate) fn run(arguments: &Bake, start: Instant) -> Result<Ending> {
     let load = loading.elapsed().as_secs_f64();
 
     bar.say("preparing");
-    let headless = Headless::new(&device(arguments))?;
+    let headless = device::open(&arguments.device)?;
     let settings = BakeSettings {
         resolution: arguments.how.resolution(),
         bounces: arguments.bounces,
@@ -49,7 +48,7 @@ pub(crate) fn run(arguments: &Bake, start: Instant) -> Result<Ending> {
         if interrupt::requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     })?;
     let light_map = baker.read_back()?;
-    fail_on_validation(&headless)?;
+    device::fail_on_validation(&headless)?;
 
     bar.say("writing");
     let writing = Instant::now();
@@ -65,29 +64,9 @@ pub(crate) fn run(arguments: &Bake, start: Instant) -> Result<Ending> {
     conclude(arguments, &report, baker.atlas().shared, outcome)
 }
 
-fn device(arguments: &Bake) -> HeadlessSettings {
-    let wanted = std::env::var_os("LIGHTOVEN_VALIDATION").is_some_and(|value| value == "1");
-    HeadlessSettings {
-        device: arguments.device.clone(),
-        backend: arguments.backend(),
-        validation: if wanted { Validation::On } else { Validation::Off },
-    }
-}
-
 fn nothing_written() -> Ending {
     messages::line("interrupted before anything was baked: nothing is written");
     Ending::Interrupted
-}
-
-/// A bake that broke Vulkan's rules proves nothing, whatever its light map looks like.
-fn fail_on_validation(headless: &Headless) -> Result<()> {
-    match &headless.validation_messages()[..] {
-        [] => Ok(()),
-        [first, rest @ ..] => {
-            let context = format!("the validation layer has {} messages, the first: {first}", rest.len() + 1);
-            Err(Error::new(ErrorKind::Driver, context))
-        }
-    }
 }
 
 fn metadata(scene: &Scene, headless: &Headless, baker: &Baker, seed: u64) -> Metadata {
@@ -156,9 +135,5 @@ fn check_paths(arguments: &Bake) -> Result<()> {
         ("--preview", arguments.preview.as_ref()),
         ("--report", arguments.report.as_ref()),
     ];
-    let sky = match &arguments.how.sky {
-        Some(SkyArgument::File(path)) => Some(path),
-        _ => None,
-    };
-    paths::check(&[("the scene", Some(&arguments.scene)), ("--sky", sky)], &outputs)
+    paths::check(&load::files(&arguments.scene, &arguments.how), &outputs)
 }

@@ -9,10 +9,10 @@ use lightoven::{Error, ErrorKind, Result};
 use serde::Serialize;
 
 /// Texels of B with less of its mean luminance than this do not count: a relative difference says nothing there.
-const DARK: f64 = 0.01;
+pub(crate) const DARK: f64 = 0.01;
 
 /// Share of the mean luminance, squared, that relMSE adds to its denominator, so that dark texels do not decide it.
-const RELATIVE_MSE_FLOOR: f64 = 0.01;
+pub(crate) const RELATIVE_MSE_FLOOR: f64 = 0.01;
 
 /// Where one range of brightness ends and the next begins, in means of B: decades, so that a few texels at a lamp's edge
 /// can neither hide nor fake an agreement of all the others.
@@ -184,7 +184,7 @@ impl Brightness {
 }
 
 /// Of sorted values, linear between them; at least one.
-fn quantile(sorted: &[f64], share: f64) -> f64 {
+pub(crate) fn quantile(sorted: &[f64], share: f64) -> f64 {
     let position = share * (sorted.len() - 1) as f64;
     let (below, above) = (position.floor() as usize, position.ceil() as usize);
     sorted[below] + (sorted[above] - sorted[below]) * position.fract()

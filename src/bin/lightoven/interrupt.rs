@@ -12,9 +12,14 @@ static REQUESTED: AtomicBool = AtomicBool::new(false);
 
 /// Takes over the signals.
 pub(crate) fn install() -> Result<()> {
-    let handler = || {
+    install_saying("interrupted: writing what is there")
+}
+
+/// The same; `text` is said at the first one.
+pub(crate) fn install_saying(text: &'static str) -> Result<()> {
+    let handler = move || {
         if !REQUESTED.swap(true, Ordering::SeqCst) {
-            messages::line("interrupted: writing what is there");
+            messages::line(text);
         }
     };
     ctrlc::set_handler(handler)

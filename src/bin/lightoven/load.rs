@@ -1,10 +1,11 @@
 //! The scene as the command line asks for it.
 
 use crate::arguments::{SceneArguments, SkyArgument};
+use crate::paths::Named;
 use lightoven::io::{exr, gltf};
 use lightoven::scene::{Atlas, Scene, Sky};
 use lightoven::{Error, Result};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Reads a glTF file and gives it the sky that was asked for.
 pub(crate) fn scene(path: &Path, arguments: &SceneArguments) -> Result<Scene> {
@@ -20,6 +21,15 @@ pub(crate) fn scene(path: &Path, arguments: &SceneArguments) -> Result<Scene> {
         }
     }
     Ok(scene)
+}
+
+/// The files that a scene is read from, for the check of paths.
+pub(crate) fn files<'a>(path: &'a PathBuf, arguments: &'a SceneArguments) -> [Named<'a>; 2] {
+    let sky = match &arguments.sky {
+        Some(SkyArgument::File(path)) => Some(path),
+        _ => None,
+    };
+    [("the scene", Some(path)), ("--sky", sky)]
 }
 
 /// What is wrong with a light map's layout.

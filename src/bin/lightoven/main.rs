@@ -1,18 +1,22 @@
-//! The command line tool: bakes a glTF scene to an EXR light map, says what it would do, and compares light maps.
+//! The command line tool: bakes a glTF scene to an EXR light map, says what it would do, compares light maps, and measures
+//! the noise of ways of sampling.
 //!
 //! Exit codes: 0 done, 1 failed, 2 bad usage, 130 interrupted.
 
 mod arguments;
 mod bake;
 mod compare;
+mod device;
 mod info;
 mod interrupt;
 mod load;
 mod messages;
+mod noise;
 mod paths;
 mod progress;
 mod report;
 mod values;
+mod variance;
 
 use arguments::{Arguments, Command};
 use clap::Parser;
@@ -38,6 +42,7 @@ fn main() -> ExitCode {
         Command::Bake(bake) => bake::run(bake, start),
         Command::Info(info) => info::run(info),
         Command::Compare(compare) => compare::run(compare),
+        Command::Variance(variance) => variance::run(variance),
     };
     match result {
         Ok(Ending::Done) => ExitCode::SUCCESS,

@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// A path as the command line names it.
-type Named<'a> = (&'a str, Option<&'a PathBuf>);
+pub(crate) type Named<'a> = (&'a str, Option<&'a PathBuf>);
 
 /// `Ok` when every output can be written and is neither an input nor another output.
 pub(crate) fn check(inputs: &[Named<'_>], outputs: &[Named<'_>]) -> Result<()> {

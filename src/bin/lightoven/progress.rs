@@ -4,6 +4,7 @@ use crate::messages;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use lightoven::baker::Progress;
 use std::io::IsTerminal;
+use std::ops::Range;
 use std::time::Duration;
 
 /// Steps that a bar has: more than columns on any terminal.
@@ -43,9 +44,20 @@ impl Bar {
     }
 
     pub(crate) fn show(&self, progress: &Progress) {
-        self.bar.set_prefix(progress.phase.name());
+        self.draw(progress.phase.name().to_owned(), progress, 0.0..1.0);
+    }
+
+    /// The progress of one bake of several; `part` is what it is of all work, within 0 and 1.
+    pub(crate) fn show_part(&self, name: String, progress: &Progress, part: Range<f64>) {
+        // The time left is that of one bake.
+        self.draw(name, &Progress { time_left: None, ..*progress }, part);
+    }
+
+    fn draw(&self, prefix: String, progress: &Progress, part: Range<f64>) {
+        let done = part.start + (part.end - part.start) * f64::from(progress.fraction.clamp(0.0, 1.0));
+        self.bar.set_prefix(prefix);
         self.bar.set_message(figures(progress));
-        self.bar.set_position((f64::from(progress.fraction.clamp(0.0, 1.0)) * STEPS as f64) as u64);
+        self.bar.set_position((done * STEPS as f64) as u64);
     }
 }
 

@@ -4,15 +4,33 @@ use crate::arguments::SkyArgument;
 use glam::Vec3;
 use lightoven::baker::{Bounces, Sampling, Stop};
 use lightoven::scene::atlas::MAX_RESOLUTION;
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 /// A year: far beyond any bake, and far below what a clock can add.
 const MAX_HOURS: f64 = 8760.0;
 
+/// Most samples of a bake that is made to be noisy, and most such bakes.
+const MAX_FEW_SAMPLES: u32 = 1 << 20;
+const MAX_SEEDS: u32 = 1000;
+
+fn whole(text: &str, range: RangeInclusive<u32>) -> Result<u32, String> {
+    let allowed = || format!("allowed is a whole number from {} to {}", range.start(), range.end());
+    text.parse().ok().filter(|number| range.contains(number)).ok_or_else(allowed)
+}
+
 pub(crate) fn samples(text: &str) -> Result<u32, String> {
-    let allowed = || format!("allowed is a whole number from 1 to {}", Stop::MAX_SAMPLES);
-    text.parse().ok().filter(|samples| (1..=Stop::MAX_SAMPLES).contains(samples)).ok_or_else(allowed)
+    whole(text, 1..=Stop::MAX_SAMPLES)
+}
+
+pub(crate) fn few_samples(text: &str) -> Result<u32, String> {
+    whole(text, 1..=MAX_FEW_SAMPLES)
+}
+
+/// One bake has no variance.
+pub(crate) fn seeds(text: &str) -> Result<u32, String> {
+    whole(text, 2..=MAX_SEEDS)
 }
 
 pub(crate) fn seed(text: &str) -> Result<u64, String> {
@@ -20,8 +38,7 @@ pub(crate) fn seed(text: &str) -> Result<u64, String> {
 }
 
 pub(crate) fn resolution(text: &str) -> Result<u32, String> {
-    let allowed = || format!("allowed is a whole number from 1 to {MAX_RESOLUTION}");
-    text.parse().ok().filter(|side| (1..=MAX_RESOLUTION).contains(side)).ok_or_else(allowed)
+    whole(text, 1..=MAX_RESOLUTION)
 }
 
 pub(crate) fn texels_per_unit(text: &str) -> Result<f32, String> {
@@ -65,6 +82,16 @@ pub(crate) fn sampling(text: &str) -> Result<Sampling, String> {
             let cosine = share.filter(|share| (Sampling::LEAST_COSINE..=1.0).contains(share));
             cosine.map(|cosine| Sampling::Mixture { cosine }).ok_or_else(allowed)
         }
+    }
+}
+
+/// As it is written on the command line.
+pub(crate) fn sampling_name(sampling: Sampling) -> String {
+    match sampling {
+        Sampling::Auto => "auto".into(),
+        Sampling::Cosine => "cosine".into(),
+        Sampling::Importance => "importance".into(),
+        Sampling::Mixture { cosine } => format!("mixture={cosine}"),
     }
 }
 
@@ -131,12 +158,17 @@ mod tests {
         assert_eq!((samples("1"), resolution("16384"), error("1")), (Ok(1), Ok(16384), Ok(1.0)));
         assert!(matches!(bounces("0"), Ok(Bounces::Limit(0))) && matches!(bounces("auto"), Ok(Bounces::Auto)));
         assert_eq!(sampling("mixture=0.25"), Ok(Sampling::Mixture { cosine: 0.25 }));
+        for name in ["auto", "cosine", "importance", "mixture=0.25"] {
+            assert_eq!(sampling(name).map(sampling_name), Ok(name.to_owned()));
+        }
         assert!(
             ["", "mixture=", "mixture=0", "mixture=nan", "mixture=1.01", "Cosine"]
                 .iter()
                 .all(|bad| sampling(bad).is_err())
         );
         assert!(["0", "-1", "1.5", "4294967296"].iter().all(|bad| samples(bad).is_err()));
+        assert_eq!((few_samples("1048576"), seeds("2"), seeds("1000")), (Ok(1 << 20), Ok(2), Ok(1000)));
+        assert!(few_samples("1048577").is_err() && seeds("1").is_err() && seeds("1001").is_err());
         assert!(["0", "16385", "100000", "x"].iter().all(|bad| resolution(bad).is_err()));
         assert!(["0", "-1", "nan", "inf", "1.1"].iter().all(|bad| error(bad).is_err()));
         assert!(["0", "-1", "nan", "inf"].iter().all(|bad| scale(bad).is_err() && texels_per_unit(bad).is_err()));
