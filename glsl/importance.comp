@@ -100,7 +100,7 @@ void main() {
         vec4 mine[3] = vec4[3](vec4(0.0), vec4(0.0), vec4(0.0));
         uvec2 at = gl_GlobalInvocationID.xy + uvec2(0u, push.first_texel);
         if (all(lessThan(at, base))) imageStore(pyramid_image, ivec2(at), leaves_at(at, mine));
-        if (push.instance == 0u) reduce(mine);
+        if (push.instance == 0u && push.quantum_count > 0u) reduce(mine);
         return;
     }
     // More than one level only where one work group has them all.

@@ -99,7 +99,7 @@ layout(push_constant, std430) uniform Push {
     uint first_texel;     // in the list of texels
     uint texel_count;
     uint first_quantum;
-    uint quantum_count;
+    uint quantum_count;   // importance: 0 = nobody reads its sums
     uint light_count;
     uint root;            // where a ray starts in the hierarchy
     vec3 sky;             // constant radiance

@@ -33,7 +33,7 @@ impl Aiming {
             // On nothing: drivers that compile at the first use do so here.
             let nothing = Push { map_size: [0, 0], ..core.push };
             core.commands.run(|recorder| {
-                pass.record_leaves(recorder, &nothing, 0, 0..1);
+                pass.record_leaves(recorder, &nothing, 0, 0..1, true);
                 Ok(())
             })?;
         }
@@ -56,7 +56,7 @@ impl Aiming {
         let push = &core.push;
         let make_sky = !std::mem::replace(&mut self.sky_made, true);
         core.commands.run(|recorder| {
-            pass.record_leaves(recorder, push, 0, 0..pass.rows());
+            pass.record_leaves(recorder, push, 0, 0..pass.rows(), true);
             pass.record_levels(recorder, push);
             if make_sky {
                 pass.record_sky(recorder, push);

@@ -47,7 +47,9 @@ impl Baker {
         let started = Instant::now();
         let running = match settings.mode {
             Mode::Still => Running::Still(Box::new(Still::new(&mut core, settings)?)),
-            Mode::Frames(frames) => Running::Frames(Box::new(Frames::new(&mut core, scene, bvh, frames)?)),
+            Mode::Frames(frames) => {
+                Running::Frames(Box::new(Frames::new(&mut core, scene, bvh, frames, settings.sampling)?))
+            }
         };
         core.statistics.seconds.compile += started.elapsed().as_secs_f64();
         Ok(Self { core, running })

@@ -240,6 +240,13 @@ impl<'a> Recorder<'a> {
         drop(scope);
     }
 
+    /// Makes what was written visible to the host, once it knows that the device is so far.
+    pub(crate) fn show_host(&mut self) {
+        let last = self.last;
+        self.barrier(vk::PipelineStageFlags2::HOST, &[]);
+        self.last = last;
+    }
+
     /// Makes what was written visible to the host. Recorded last.
     pub(super) fn finish(mut self) -> Result<()> {
         self.barrier(vk::PipelineStageFlags2::HOST, &[]);

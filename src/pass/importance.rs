@@ -102,9 +102,24 @@ impl Importance {
         groups(self.pyramid.base)[1]
     }
 
-    /// Records level 0 of the light map's pyramid. `source`: which map is read.
-    pub(crate) fn record_leaves(&self, recorder: &mut Recorder<'_>, push: &Push, source: usize, rows: Range<u32>) {
-        let push = Push { instance: 0, first_level: 0, end_level: 1, first_texel: rows.start * SQUARE_GROUP, ..*push };
+    /// Records level 0 of the light map's pyramid. `source`: which map is read; `sums`: whether it sums up for the host,
+    /// which else may be reading.
+    pub(crate) fn record_leaves(
+        &self,
+        recorder: &mut Recorder<'_>,
+        push: &Push,
+        source: usize,
+        rows: Range<u32>,
+        sums: bool,
+    ) {
+        let push = Push {
+            instance: 0,
+            first_level: 0,
+            end_level: 1,
+            first_texel: rows.start * SQUARE_GROUP,
+            quantum_count: u32::from(sums),
+            ..*push
+        };
         let groups = [groups(self.pyramid.base)[0], rows.end - rows.start];
         recorder.dispatch(&self.pipeline, &self.sets[source], &push, groups, c"importance");
     }
@@ -138,11 +153,10 @@ impl Importance {
 
     /// What level 0 summed up, after it has run. `texels`: that take rays.
     pub(crate) fn read_sums(&self, texels: u32) -> ImportanceSums {
-        let sums: Vec<[f32; 4]> = bytemuck::pod_collect_to_vec(self.sums.bytes());
         let mut total = [[0.0_f64; 4]; SUMS];
-        for group in sums.chunks_exact(SUMS) {
-            for (total, sum) in total.iter_mut().flatten().zip(group.iter().flatten()) {
-                *total += f64::from(*sum);
+        for group in self.sums.bytes().chunks_exact(SUMS * 16) {
+            for (total, sum) in total.iter_mut().flatten().zip(group.chunks_exact(4)) {
+                *total += f64::from(bytemuck::pod_read_unaligned::<f32>(sum));
             }
         }
         let [[power, squared, area, invalid], surfaces, sky] = total;

@@ -1,11 +1,11 @@
-//! Plans what a frame does of an endless cycle: direct light where it is out of date, a sweep of gathering over all
-//! tiles, a map published, and again. A stage goes on where the last plan stopped.
+//! Plans what a frame does of an endless cycle: direct light and the pyramid that rays are aimed by where they are out of
+//! date, a sweep of gathering over all tiles, a map published, and again. A stage goes on where the last plan stopped.
 //!
 //! Predictions are fed forward, so that measurements that come frames late do not make the plans swing.
 
 use super::cost::Cost;
 use super::tile_cost::TileCosts;
-use super::work::{Extent, Needs, Stage, Work};
+use super::work::{Extent, Needs, STAGES, Stage, Work};
 use std::time::Duration;
 
 /// Texels of the list in a tile, which is the least that is dispatched; the last tile may have fewer.
@@ -61,9 +61,11 @@ fn in_step(sweeps: f64) -> Option<f64> {
 /// What the plan that is being made holds, by stage.
 #[derive(Debug, Default)]
 struct Round {
-    begun: [bool; 3],
-    items: [u32; 3],
-    work: [f64; 3],
+    begun: [bool; STAGES],
+    items: [u32; STAGES],
+    work: [f64; STAGES],
+    /// A sweep has ended.
+    ended_sweep: bool,
 }
 
 /// Plans frames. Memory is kept from plan to plan.
@@ -71,7 +73,7 @@ struct Round {
 pub(crate) struct FrameScheduler {
     extent: Extent,
     tiles: TileCosts,
-    stages: [StageState; 3],
+    stages: [StageState; STAGES],
     stage: Stage,
     /// The stage's next item; 0: whether it is done at all is still open.
     next: u32,
@@ -91,7 +93,8 @@ pub(crate) struct FrameScheduler {
 impl FrameScheduler {
     pub(crate) fn new(extent: Extent) -> Self {
         let tile = f64::from(TILE);
-        let units = [tile * f64::from(extent.lights.max(1)), tile * RAYS, f64::from(extent.texels_per_block_row)];
+        let row_units = [extent.texels_per_importance_row, extent.texels_per_block_row].map(f64::from);
+        let units = [tile * f64::from(extent.lights.max(1)), row_units[0], tile * RAYS, row_units[1]];
         Self {
             extent,
             tiles: TileCosts::new(extent.texels),
@@ -153,16 +156,22 @@ impl FrameScheduler {
     /// Goes on to the next stage that has work. False: the plan has been once around, or there is nothing to do.
     fn enter(&mut self, needs: Needs, round: &Round) -> bool {
         let swept = round.items[Stage::Gather as usize] >= self.extent.tiles();
-        for _ in 0..=3 {
+        for _ in 0..=STAGES {
             let (stage, index) = (self.stage, self.stage as usize);
             let wanted = match stage {
                 Stage::Direct => needs.direct && !round.begun[index],
+                Stage::Importance => {
+                    let due = if round.ended_sweep { needs.importance_after } else { needs.importance };
+                    due && !round.begun[index] && self.extent.texels > 0
+                }
                 Stage::Gather => true,
                 Stage::Publish => needs.publish && !self.empty_published,
             };
             let over = match stage {
-                // The next plan decides about direct light, by what its frame needs.
-                Stage::Direct => swept && self.extent.texels > 0 || wanted && round.items[index] > 0,
+                // The next plan decides about these, by what its frame needs.
+                Stage::Direct | Stage::Importance => {
+                    swept && self.extent.texels > 0 || wanted && round.items[index] > 0
+                }
                 Stage::Gather => swept && self.extent.texels > 0,
                 Stage::Publish => wanted && round.items[index] > 0,
             };
@@ -181,7 +190,8 @@ impl FrameScheduler {
     fn leave(&mut self) {
         self.next = 0;
         self.stage = match self.stage {
-            Stage::Direct => Stage::Gather,
+            Stage::Direct => Stage::Importance,
+            Stage::Importance => Stage::Gather,
             Stage::Gather => Stage::Publish,
             Stage::Publish => Stage::Direct,
         };
@@ -190,8 +200,9 @@ impl FrameScheduler {
     /// Sweeps of one quantum, or as many as are wanted, that a frame has time for beside the other stages.
     fn sweeps_of_a_frame(&self, target_s: f64, most_s: f64, needs: Needs) -> f64 {
         let direct_s = if needs.direct { self.stage_s(Stage::Direct, most_s) } else { 0.0 };
+        let importance_s = if needs.importance { self.stage_s(Stage::Importance, most_s) } else { 0.0 };
         let publish_s = if needs.publish { self.stage_s(Stage::Publish, most_s) } else { 0.0 };
-        let available_s = (target_s - direct_s - publish_s).max(LEAST_GATHER * target_s);
+        let available_s = (target_s - direct_s - importance_s - publish_s).max(LEAST_GATHER * target_s);
         let cost = &self.stages[Stage::Gather as usize].cost;
         let sweep_s = RAYS * f64::from(self.extent.texels) * cost.per_work_s();
         let quanta = f64::from(self.extent.fixed_quanta.unwrap_or(1));
@@ -220,7 +231,7 @@ impl FrameScheduler {
     fn stage_s(&self, stage: Stage, most_s: f64) -> f64 {
         let cost = &self.stages[stage as usize].cost;
         let work = match stage {
-            Stage::Publish => f64::from(self.extent.block_rows) * self.work(stage, 0, 1),
+            Stage::Importance | Stage::Publish => f64::from(self.extent.items(stage)) * self.work(stage, 0, 1),
             Stage::Direct => f64::from(self.extent.texels) * f64::from(self.extent.lights.max(1)),
             Stage::Gather => f64::from(self.extent.texels) * RAYS,
         };
@@ -235,7 +246,7 @@ impl FrameScheduler {
         let quanta = if stage == Stage::Gather { self.quanta } else { 1 };
         let count = self.extent.items(stage);
         let end = match stage {
-            Stage::Publish => count,
+            Stage::Importance | Stage::Publish => count,
             // No tile twice in a plan.
             _ => count.min(self.next + (count - round.items[index].min(count))),
         };
@@ -264,6 +275,7 @@ impl FrameScheduler {
         round.work[index] += work.items.clone().map(|item| self.work(work.stage, item, work.quanta)).sum::<f64>();
         self.next = work.items.end;
         if work.ends_stage {
+            round.ended_sweep |= work.stage == Stage::Gather;
             self.empty_published |= work.stage == Stage::Publish && self.extent.texels == 0;
             self.leave();
         }
@@ -290,6 +302,7 @@ impl FrameScheduler {
         match stage {
             Stage::Direct => texels * f64::from(self.extent.lights.max(1)),
             Stage::Gather => texels * RAYS * f64::from(quanta),
+            Stage::Importance => f64::from(self.extent.texels_per_importance_row.max(1)),
             Stage::Publish => f64::from(self.extent.texels_per_block_row.max(1)),
         }
     }

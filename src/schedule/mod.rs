@@ -14,4 +14,4 @@ mod work;
 pub(crate) use frame::{FrameScheduler, TILE, samples_per_texel};
 pub use sweep::Slice;
 pub(crate) use sweep::{GROUP, Pace, Sweep, Unit};
-pub(crate) use work::{Extent, Needs, Stage, Work};
+pub(crate) use work::{Extent, Needs, STAGES, Stage, Work};

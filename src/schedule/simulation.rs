@@ -1,14 +1,14 @@
 //! The frame scheduler against a simulated device.
 
 use super::frame::{FrameScheduler, TILE, samples_per_texel};
-use super::work::{Extent, Needs, Stage, Work};
+use super::work::{Extent, Needs, STAGES, Stage, Work};
 use proptest::prelude::*;
 use std::collections::VecDeque;
 use std::ops::Range;
 use std::time::Duration;
 
-const ALL: Needs = Needs { direct: true, publish: true };
-const GATHER_ONLY: Needs = Needs { direct: false, publish: false };
+const ALL: Needs = Needs { direct: true, importance: true, importance_after: true, publish: true };
+const GATHER_ONLY: Needs = Needs { direct: false, importance: false, importance_after: false, publish: false };
 
 /// True costs, and what becomes of measurements.
 struct Device {
@@ -60,6 +60,7 @@ impl Device {
         let seconds = match work.stage {
             Stage::Direct => texels * f64::from(self.extent.lights.max(1)) * 0.5 / self.rays_per_s,
             Stage::Gather => texels * 16.0 * f64::from(work.quanta) * relative / self.rays_per_s,
+            Stage::Importance => f64::from(self.extent.texels_per_importance_row) * 0.1 / self.rays_per_s,
             Stage::Publish => f64::from(self.extent.texels_per_block_row) * 0.1 / self.rays_per_s,
         };
         seconds * self.slowdown
@@ -101,7 +102,15 @@ impl Device {
 
 fn extent(tiles: u32) -> Extent {
     let texels = tiles * TILE - 100.min(tiles);
-    Extent { texels, lights: 4, block_rows: tiles.div_ceil(32), texels_per_block_row: 32 * TILE, fixed_quanta: None }
+    Extent {
+        texels,
+        lights: 4,
+        block_rows: tiles.div_ceil(32),
+        texels_per_block_row: 32 * TILE,
+        importance_rows: tiles.div_ceil(64),
+        texels_per_importance_row: 64 * TILE,
+        fixed_quanta: None,
+    }
 }
 
 /// 95th percentile of the frames' times, less an item, and mean use, both in budgets.
@@ -276,18 +285,18 @@ struct Checker {
     next: u32,
     quanta: u32,
     /// Work of each stage in the last frames that had any.
-    last: [[u64; 2]; 3],
-    ended: [u32; 3],
+    last: [[u64; 2]; STAGES],
+    ended: [u32; STAGES],
 }
 
 impl Checker {
     fn new(extent: Extent) -> Self {
-        Self { extent, stage: Stage::Direct, next: 0, quanta: 0, last: [[0; 2]; 3], ended: [0; 3] }
+        Self { extent, stage: Stage::Direct, next: 0, quanta: 0, last: [[0; 2]; STAGES], ended: [0; STAGES] }
     }
 
     fn plan(&mut self, works: &[Work], needs: Needs) -> Result<(), TestCaseError> {
-        let mut items = [vec![], vec![], vec![]];
-        let (mut done, mut first) = ([0; 3], [0; 3]);
+        let mut items = [const { Vec::new() }; STAGES];
+        let (mut done, mut first) = ([0; STAGES], [0; STAGES]);
         for work in works {
             self.work(work, needs)?;
             let index = work.stage as usize;
@@ -314,7 +323,7 @@ impl Checker {
     /// Texels or blocks, times quanta.
     fn size(&self, work: &Work, items: Range<u32>) -> u64 {
         let texels = |item| match work.stage {
-            Stage::Publish => 1,
+            Stage::Importance | Stage::Publish => 1,
             _ => u64::from(TILE.min(self.extent.texels - item * TILE)),
         };
         items.map(|item| texels(item) * u64::from(work.quanta)).sum()
@@ -323,23 +332,23 @@ impl Checker {
     fn work(&mut self, work: &Work, needs: Needs) -> Result<(), TestCaseError> {
         prop_assert!(!work.items.is_empty());
         if self.next == 0 {
-            let order = [Stage::Direct, Stage::Gather, Stage::Publish];
+            let order = [Stage::Direct, Stage::Importance, Stage::Gather, Stage::Publish];
             let skipped = order.iter().cycle().skip(self.stage as usize).take_while(|stage| **stage != work.stage);
             // Gathering is never left out; what was begun at 0 was asked for.
             prop_assert!(!skipped.clone().any(|stage| *stage == Stage::Gather));
             prop_assert!(work.stage != Stage::Direct || needs.direct);
+            prop_assert!(work.stage != Stage::Importance || needs.importance);
             prop_assert!(work.stage != Stage::Publish || needs.publish);
             (self.stage, self.quanta) = (work.stage, work.quanta);
         }
         prop_assert_eq!((work.stage, work.items.start, work.quanta), (self.stage, self.next, self.quanta));
-        let count = if work.stage == Stage::Publish { self.extent.block_rows } else { self.extent.tiles() };
-        prop_assert!(work.items.end <= count);
-        prop_assert_eq!(work.ends_stage, work.items.end == count);
+        prop_assert!(work.items.end <= self.extent.items(work.stage));
+        prop_assert_eq!(work.ends_stage, work.items.end == self.extent.items(work.stage));
         self.next = work.items.end;
         if work.ends_stage {
             self.next = 0;
             self.ended[work.stage as usize] += 1;
-            self.stage = [Stage::Gather, Stage::Publish, Stage::Direct][work.stage as usize];
+            self.stage = [Stage::Importance, Stage::Gather, Stage::Publish, Stage::Direct][work.stage as usize];
         }
         Ok(())
     }
@@ -351,15 +360,15 @@ proptest! {
     #[test]
     fn every_plan_keeps_the_rules(
         tiles in 1_u32..200, rate in 5.5_f64..9.0, seed in any::<u64>(), late in 0_usize..3, timestamps in any::<bool>(),
-        frames in prop::collection::vec((-6.0_f64..1.0, any::<bool>(), any::<bool>(), 0.5_f64..3.0), 1..200),
+        frames in prop::collection::vec((-6.0_f64..1.0, any::<[bool; 3]>(), 0.5_f64..3.0), 1..200),
         fixed_quanta in prop::option::of(1_u32..9),
     ) {
         let extent = Extent { fixed_quanta, ..extent(tiles) };
         let mut device = Device { random: seed, late, timestamps, ..Device::new(extent, 10_f64.powf(rate)) };
         let mut scheduler = FrameScheduler::new(extent);
         let mut checker = Checker::new(extent);
-        for (budget, direct, publish, slowdown) in frames {
-            let (budget_s, needs) = (10_f64.powf(budget), Needs { direct, publish });
+        for (budget, [direct, importance, publish], slowdown) in frames {
+            let (budget_s, needs) = (10_f64.powf(budget), Needs { direct, importance, importance_after: importance, publish });
             device.slowdown = slowdown;
             let works = scheduler.clone().plan(Duration::from_secs_f64(budget_s), needs, 0.0).to_vec();
             for work in works.iter().filter(|work| work.items.len() > 1) {
@@ -377,7 +386,7 @@ proptest! {
         let mut device = Device::new(extent, 10_f64.powf(rate));
         let mut scheduler = FrameScheduler::new(extent);
         let mut checker = Checker::new(extent);
-        for frame in 0..2 * 64 * (2 * tiles + extent.block_rows) {
+        for frame in 0..2 * 64 * (2 * tiles + extent.importance_rows + extent.block_rows) {
             let overhead_s = if frame % 2 == 0 { overhead_s } else { 0.0 };
             let works = scheduler.plan(Duration::from_secs_f64(10_f64.powf(budget)), ALL, overhead_s).to_vec();
             checker.plan(&works, ALL)?;

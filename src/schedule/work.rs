@@ -8,11 +8,16 @@ use std::ops::Range;
 pub(crate) enum Stage {
     /// Direct light; items are tiles.
     Direct,
+    /// The pyramid that rays are aimed by; items are rows of its work groups.
+    Importance,
     /// Quanta of rays from every texel; items are tiles.
     Gather,
     /// A map made from the list of texels; items are rows of blocks.
     Publish,
 }
+
+/// How many there are.
+pub(crate) const STAGES: usize = 4;
 
 /// One dispatch.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -36,6 +41,10 @@ pub(crate) struct Extent {
     pub(crate) block_rows: u32,
     /// Texels of the map in a row of blocks.
     pub(crate) texels_per_block_row: u32,
+    /// Rows of work groups that the pyramid's lowest level has; 0: there is none.
+    pub(crate) importance_rows: u32,
+    /// Texels of the map in such a row.
+    pub(crate) texels_per_importance_row: u32,
     /// Quanta of every visit, instead of as many as fill a frame.
     pub(crate) fixed_quanta: Option<u32>,
 }
@@ -47,7 +56,11 @@ impl Extent {
     }
 
     pub(super) fn items(&self, stage: Stage) -> u32 {
-        if stage == Stage::Publish { self.block_rows } else { self.tiles() }
+        match stage {
+            Stage::Direct | Stage::Gather => self.tiles(),
+            Stage::Importance => self.importance_rows,
+            Stage::Publish => self.block_rows,
+        }
     }
 }
 
@@ -56,6 +69,10 @@ impl Extent {
 pub(crate) struct Needs {
     /// Direct light is out of date.
     pub(crate) direct: bool,
+    /// What shines has changed: rays are to be aimed anew in the next sweep that begins.
+    pub(crate) importance: bool,
+    /// The same for the sweep after the one that is under way.
+    pub(crate) importance_after: bool,
     /// A map may be published: a free one exists.
     pub(crate) publish: bool,
 }

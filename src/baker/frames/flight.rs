@@ -2,7 +2,7 @@
 
 use super::report::FrameId;
 use crate::gpu::MARKS;
-use crate::schedule::Work;
+use crate::schedule::{STAGES, Work};
 use std::time::Instant;
 
 /// A frame under way.
@@ -12,7 +12,7 @@ pub(super) struct Row {
     pub(super) frame: Option<FrameId>,
     pub(super) works: Vec<Work>,
     /// `[stage]`: its pipeline had not run before.
-    pub(super) first_use: [bool; 3],
+    pub(super) first_use: [bool; STAGES],
     /// Something was written before the works.
     pub(super) updated: bool,
     pub(super) recorded_at: Instant,
@@ -33,7 +33,7 @@ impl Flight {
         let row = |_| Row {
             frame: None,
             works: Vec::with_capacity(MARKS),
-            first_use: [false; 3],
+            first_use: [false; STAGES],
             updated: false,
             recorded_at: Instant::now(),
         };

@@ -1,7 +1,9 @@
 //! The algorithm within an engine's frames, as a list of passes: what changed is written, then direct light where it is
 //! out of date, rays, and a light map, each as far as the frame's time goes.
 
+mod aiming;
 mod flight;
+mod passes;
 mod published;
 mod report;
 mod settings;
@@ -14,17 +16,18 @@ pub(super) use published::Shown;
 pub use report::{FrameId, FrameReport, FrameTiming, MeasuredBy, Ran};
 pub use settings::{Clock, FrameSettings, Learning, Timing};
 
-use super::Core;
+use super::{Core, Sampling};
 use crate::bvh::Bvh;
 use crate::error::{Error, Result};
 use crate::features::Features;
 use crate::gpu::layout::{Push, SQUARE_GROUP};
 use crate::gpu::{FrameCommands, FrameSubmitter, MARKS, Recorder, TimelinePoint, Timer};
-use crate::pass::{Bake, Context, Dilate, Direct, Publish, Resolve, Source};
 use crate::scene::Scene;
-use crate::schedule::{Extent, FrameScheduler, Needs, Stage, TILE, Work, samples_per_texel};
+use crate::schedule::{Extent, FrameScheduler, Needs, STAGES, Stage, TILE, Work, samples_per_texel};
 use crate::temporal::{Average, History};
+use aiming::Aiming;
 use flight::Flight;
+use passes::Passes;
 use published::Published;
 use settling::Settling;
 use std::ops::Range;
@@ -39,6 +42,7 @@ const RAYS: u32 = 16;
 pub(super) struct Frames {
     settings: FrameSettings,
     passes: Passes,
+    aiming: Aiming,
     pub(super) world: World,
     average: Average,
     tiles: Vec<Tile>,
@@ -61,19 +65,12 @@ pub(super) struct Frames {
     first_sample: u32,
     quanta: u32,
     sweeps: u64,
-    used: [bool; 3],
+    used: [bool; STAGES],
     /// What writing changes takes.
     update_s: f64,
     /// When frames were last reported complete.
     reported_at: Option<Instant>,
     learning: Learning,
-}
-
-struct Passes {
-    direct: Option<Direct>,
-    bake: Bake,
-    source: Source,
-    publish: Publish,
 }
 
 /// What is remembered of a tile.
@@ -100,22 +97,33 @@ enum Way {
 }
 
 impl Frames {
-    pub(super) fn new(core: &mut Core, scene: &Scene, bvh: Bvh, settings: FrameSettings) -> Result<Self> {
+    pub(super) fn new(
+        core: &mut Core,
+        scene: &Scene,
+        bvh: Bvh,
+        settings: FrameSettings,
+        sampling: Sampling,
+    ) -> Result<Self> {
         let average = Average::new(settings.tolerable_latency, settings.decay_threshold)?;
         let passes = Passes::new(core)?;
         let [width, height] = core.maps.size;
+        let max_albedo = scene.materials().iter().map(|material| material.albedo.max_element()).fold(0.0, f32::max);
+        let max_albedo = f64::from(max_albedo);
+        let aiming = Aiming::new(core, sampling, max_albedo, settings.frames_in_flight)?;
         let extent = Extent {
             texels: core.texels.count,
             lights: core.push.light_count,
             block_rows: height.div_ceil(SQUARE_GROUP),
             texels_per_block_row: width * SQUARE_GROUP,
+            importance_rows: aiming.rows(),
+            texels_per_importance_row: 2 * width * SQUARE_GROUP,
             fixed_quanta: settings.quanta,
         };
-        let max_albedo = scene.materials().iter().map(|material| material.albedo.max_element()).fold(0.0, f32::max);
-        let settling = Settling::new(&average, f64::from(max_albedo));
+        let settling = Settling::new(&average, max_albedo);
         Ok(Self {
             settings,
             passes,
+            aiming,
             world: World::new(&core.gpu, scene, bvh, core.features)?,
             average,
             tiles: vec![Tile::default(); extent.tiles() as usize],
@@ -134,7 +142,7 @@ impl Frames {
             first_sample: 0,
             quanta: 0,
             sweeps: 0,
-            used: [false; 3],
+            used: [false; STAGES],
             update_s: 0.0,
             reported_at: None,
             learning: Learning::default(),
@@ -203,12 +211,17 @@ impl Frames {
         let (changes, ran) = self.world.record(&mut recorder, &mut core.scene, &mut core.push, frames)?;
         self.note(changes, now_s);
         self.mark(&recorder, row, 1);
-        let needs = Needs { direct: self.direct_due, publish: self.published.begin(self.flight.completed).is_some() };
+        let needs = Needs {
+            direct: self.direct_due,
+            importance: self.aiming.is_due(),
+            importance_after: self.aiming.is_due_after(self.sweeps + 1),
+            publish: self.published.begin(self.flight.completed).is_some(),
+        };
         let mut works = std::mem::take(&mut self.flight.row(row).works);
         works.clear();
         works.extend_from_slice(self.scheduler.plan(budget, needs, overhead_s));
         let mut report = FrameReport { frame, ran, ..FrameReport::default() };
-        let mut first_use = [false; 3];
+        let mut first_use = [false; STAGES];
         let last = works.len().saturating_sub(1);
         for (index, work) in works.iter().enumerate() {
             report.predicted += Duration::from_secs_f64(self.scheduler.predicted(work));
@@ -233,11 +246,12 @@ impl Frames {
         }
         self.begun = true;
         self.settling.changed(now_s, self.sweeps);
+        self.aiming.changed(self.sweeps, changes.contains(Changes::SKY));
         self.direct_due |= self.passes.direct.is_some() && changes.intersects(Changes::PLACING | Changes::LIGHTS);
     }
 
     /// One dispatch of the plan.
-    fn run(&mut self, core: &Core, recorder: &mut Recorder<'_>, work: &Work, now_s: f64, report: &mut FrameReport) {
+    fn run(&mut self, core: &mut Core, recorder: &mut Recorder<'_>, work: &Work, now_s: f64, report: &mut FrameReport) {
         match work.stage {
             Stage::Direct => {
                 if work.items.start == 0 {
@@ -249,19 +263,32 @@ impl Frames {
                 report.dispatches += 1;
                 report.ran |= Ran::DIRECT;
             }
+            Stage::Importance => {
+                self.aiming.record(core, recorder, work, self.source, self.sweeps);
+                report.dispatches += 1;
+                report.ran |= Ran::IMPORTANCE;
+            }
             Stage::Gather => self.gather(core, recorder, work, now_s, report),
             Stage::Publish => self.publish(core, recorder, work, report),
         }
     }
 
     /// Rays of some tiles, and the outgoing radiance that follows: for the next sweep, whatever is left of this one.
-    fn gather(&mut self, core: &Core, recorder: &mut Recorder<'_>, work: &Work, now_s: f64, report: &mut FrameReport) {
+    fn gather(
+        &mut self,
+        core: &mut Core,
+        recorder: &mut Recorder<'_>,
+        work: &Work,
+        now_s: f64,
+        report: &mut FrameReport,
+    ) {
         if work.items.start == 0 {
             self.first_sample = self.first_sample.wrapping_add(self.quanta * RAYS);
             self.quanta = work.quanta;
+            self.aiming.begin_sweep(core, self.sweeps, RAYS);
         }
         let world = self.settling.world(now_s, self.sweeps);
-        let push = Push { rays: RAYS, first_sample: self.first_sample, ..core.push };
+        let push = self.aiming.push(Push { first_sample: self.first_sample, ..core.push }, RAYS);
         let mut first = work.items.start;
         let mut history = None;
         // Tiles that were last visited together weigh their history alike, and go in one dispatch.
@@ -283,12 +310,15 @@ impl Frames {
         let last = texels_of(core, &(first..work.items.end));
         self.passes.bake.record(recorder, &push, self.source, last, 0..work.quanta);
         self.passes.source.record(recorder, &push, 1 - self.source, texels.clone());
-        report.rays += u64::from(texels.end - texels.start) * u64::from(RAYS * work.quanta);
+        let quanta = u64::from(texels.end - texels.start) * u64::from(work.quanta);
+        core.statistics.sampling.count(RAYS, [push.source_rays, push.sky_rays], quanta);
+        report.rays += quanta * u64::from(RAYS);
         report.dispatches += 2;
         report.ran |= Ran::BAKE | Ran::SOURCE;
         if work.ends_stage {
             self.source = 1 - self.source;
             self.sweeps += 1;
+            self.aiming.end_sweep(self.sweeps);
         }
     }
 
@@ -314,6 +344,7 @@ impl Frames {
         report.sweeps = self.sweeps;
         report.decaying = self.settling.world(now_s, self.sweeps) == crate::temporal::World::Changing;
         report.one_unit = Duration::from_secs_f64(self.scheduler.unit_s());
+        report.sampling = core.statistics.sampling;
         core.statistics.rays += report.rays;
         core.statistics.epochs = u32::try_from(self.sweeps).unwrap_or(u32::MAX);
         core.statistics.samples_per_texel += report.samples_per_texel;
@@ -352,39 +383,4 @@ impl Frames {
 
 fn texels_of(core: &Core, tiles: &Range<u32>) -> Range<u32> {
     tiles.start * TILE..(tiles.end * TILE).min(core.texels.count)
-}
-
-impl Passes {
-    /// Finds the texels that gutters are filled from, and runs every pass once on nothing: drivers that compile at the
-    /// first use do so here, and not in a frame.
-    fn new(core: &mut Core) -> Result<Self> {
-        let context = Context { gpu: &core.gpu, constants: core.constants, scene: &core.scene, maps: &core.maps };
-        let (texels, push) = (&core.texels, &core.push);
-        let resolve = Resolve::new(context, texels)?;
-        let dilate = Dilate::new(context, &mut core.commands)?;
-        core.commands.run(|recorder| {
-            resolve.record(recorder, push, 0..texels.count);
-            dilate.record_search(recorder, push);
-            Ok(())
-        })?;
-        let nearest = dilate.into_nearest(push.map_size);
-        let lights = core.features.contains(Features::LIGHTS);
-        let passes = Self {
-            direct: lights.then(|| Direct::new(context, texels)).transpose()?,
-            bake: Bake::new(context, texels)?,
-            source: Source::new(context, texels)?,
-            publish: Publish::new(context, nearest)?,
-        };
-        let nothing = Push { map_size: [0, 0], rays: 1, ..*push };
-        core.commands.run(|recorder| {
-            if let Some(direct) = &passes.direct {
-                direct.record(recorder, &nothing, 0..0);
-            }
-            passes.bake.record(recorder, &nothing, 0, 0..0, 0..0);
-            passes.source.record(recorder, &nothing, 0, 0..0);
-            passes.publish.record(recorder, &nothing, 0, 0..1);
-            Ok(())
-        })?;
-        Ok(passes)
-    }
 }

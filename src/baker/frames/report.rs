@@ -1,5 +1,6 @@
 //! What a frame tells.
 
+use crate::sampling::SamplingStatistics;
 use std::time::Duration;
 
 /// A frame of a baker's: numbered from 1, one for each `Baker::record` or `Baker::submit`.
@@ -22,13 +23,15 @@ bitflags::bitflags! {
         const SOURCE = 1 << 4;
         /// A light map was written, or a part of one.
         const PUBLISH = 1 << 5;
+        /// The pyramid that rays are aimed by was built, or a part of it.
+        const IMPORTANCE = 1 << 6;
     }
 }
 
 impl Ran {
-    /// The passes' names, in their order.
+    /// The passes' names.
     pub fn names(self) -> impl Iterator<Item = &'static str> {
-        let names = ["update", "top level", "direct", "bake", "source", "publish"];
+        let names = ["update", "top level", "direct", "bake", "source", "publish", "importance"];
         names.into_iter().enumerate().filter(move |(bit, _)| self.bits() & (1 << bit) != 0).map(|(_, name)| name)
     }
 }
@@ -52,6 +55,8 @@ pub struct FrameReport {
     pub one_unit: Duration,
     /// Sweeps over all texels finished so far.
     pub sweeps: u64,
+    /// How rays were sent up to this frame.
+    pub sampling: SamplingStatistics,
     /// Whether old light leaves the running average, because something has changed lately.
     pub decaying: bool,
     /// Nothing was recorded, since as many frames as may be in flight had not been reported complete.

@@ -5,6 +5,7 @@ use super::settings::{Learning, Timing};
 use super::{Frames, MARKS};
 use crate::error::{Error, Result};
 use crate::gpu::Recorder;
+use crate::schedule::STAGES;
 use std::time::{Duration, Instant};
 
 /// Spans of time that a frame's dispatches have, one each; in a frame of more, by a budget of some .2 s, the last span is
@@ -77,7 +78,7 @@ impl Frames {
             // What came before the last report was another frame's time, where frames overlap.
             let from = self.reported_at.map_or(recorded_at, |reported_at| reported_at.max(recorded_at));
             let elapsed_s = now.saturating_duration_since(from).as_secs_f64();
-            if first_use == [false; 3] && !works.is_empty() && learns {
+            if first_use == [false; STAGES] && !works.is_empty() && learns {
                 self.scheduler.measured_frame(&works, elapsed_s);
             }
             elapsed_s
@@ -87,7 +88,7 @@ impl Frames {
             frame,
             bake: Duration::from_secs_f64(bake_s),
             measured_by: if by_timestamps { MeasuredBy::Timestamps } else { MeasuredBy::Host },
-            first_use: first_use != [false; 3],
+            first_use: first_use != [false; STAGES],
         }
     }
 }
