@@ -5,7 +5,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
 #include "include/layout.glsl"
-#include "include/surface.glsl"
+#include "include/pieces.glsl"
 #include "include/random.glsl"
 #include "include/pyramid.glsl"
 #include "include/sky.glsl"
@@ -41,11 +41,11 @@ float sky_leaf(uvec2 pixel) {
 // Luminance times area; adds to this invocation's sums.
 float source_leaf(ivec2 texel, inout vec4 mine[3]) {
     uvec4 g = imageLoad(surface_image, texel);
-    if (g.x == 0u || (instances[g.x - 1u].flags & INSTANCE_ABSENT) != 0u) return 0.0;
+    if (g.x == 0u) return 0.0;
     vec3 radiance = texelFetch(source_map, texel, 0).rgb;
     if (DYNAMIC) radiance += materials[primitives[g.y].material].emission * imageLoad(emission_image, texel).rgb;
     float luminance = luminance_of(radiance);
-    float area = length(area_of(patch_of(uvec2(texel), g.x - 1u, g.y)));
+    float area = area_of_pieces(uvec2(texel), pieces_of(uvec2(texel), g));
     float leaf = luminance * area;
     // Written so that what is no number fails.
     bool is_light = leaf >= 0.0 && leaf <= 3.4e38;

@@ -24,6 +24,8 @@ bitflags::bitflags! {
         const DYNAMIC = 1 << 7;
         /// Rays are aimed at light as well.
         const IMPORTANCE = 1 << 8;
+        /// Something that emits shares a texel with another surface.
+        const SHARED_TEXELS = 1 << 9;
     }
 }
 

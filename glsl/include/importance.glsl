@@ -6,9 +6,9 @@
 #ifndef IMPORTANCE_GLSL
 #define IMPORTANCE_GLSL
 
+#include "pieces.glsl"
 #include "pyramid.glsl"
 #include "sky.glsl"
-#include "surface.glsl"
 
 layout(set = 0, binding = 26) uniform texture2D importance_map;
 layout(set = 0, binding = 27) uniform texture2D sky_importance_map;
@@ -16,13 +16,46 @@ layout(set = 0, binding = 27) uniform texture2D sky_importance_map;
 // A line of sight goes a little beyond its end, which rounding must not hide.
 const float BEYOND_SIGHT = 1.001;
 
+// One of a texel's pieces, by area.
+Patch choose_patch(uvec2 texel, float u) {
+    Shared s = pieces_of(texel, imageLoad(surface_image, ivec2(texel)));
+    Patch chosen = patch_of(texel, s.owner.instance, s.owner.primitive);
+    if (!SHARED_TEXELS || s.others == 0u) return chosen;
+    float rest = u * area_of_pieces(texel, s);
+    for (uint i = 0u; i <= s.others; ++i) {
+        Piece piece = piece_at(s, i);
+        if (!is_present(piece)) continue;
+        chosen = patch_of(texel, piece.instance, piece.primitive);
+        rest -= length(area_of(chosen));
+        if (rest < 0.0) break;
+    }
+    return chosen;
+}
+
+// Area of all pieces of a texel, seen along a ray, as if they were parts of the plane that it hit; 0: that is none of them.
+float seen_area(Hit hit, vec2 place, vec3 direction) {
+    uvec2 texel = uvec2(place);
+    Shared s = pieces_of(texel, imageLoad(surface_image, ivec2(texel)));
+    for (uint i = 0u; i <= s.others; ++i) {
+        Piece piece = piece_at(s, i);
+        // Triangles of a sheet are one plane in the texel.
+        if (piece.instance != hit.instance || primitives[piece.primitive].sheet != primitives[hit.primitive].sheet) continue;
+        Patch p = patch_of(texel, piece.instance, piece.primitive);
+        vec2 at = place - vec2(texel);
+        if (any(lessThan(at, p.lo)) || any(greaterThan(at, p.hi))) return 0.0;
+        float seen = abs(dot(area_of(p), direction));
+        if (!SHARED_TEXELS || s.others == 0u) return seen;
+        return seen * (area_of_pieces(texel, s) / length(area_of(p)));
+    }
+    return 0.0;
+}
+
 // From the ray's origin to a point of a texel that `u` chooses, and that texel by a leaf that `choice` in [0,1) chooses.
 // False: there is none.
-bool aim_at_source(float choice, vec2 u, uint texel, uint sample_index, inout Ray ray, out uvec2 target) {
+bool aim_at_source(float choice, vec3 u, uint texel, uint sample_index, inout Ray ray, out uvec2 target) {
     if (!choose_leaf(importance_map, push.map_size, choice, texel, sample_index, target)) return false;
-    uvec4 g = imageLoad(surface_image, ivec2(target));
-    Patch p = patch_of(target, g.x - 1u, g.y);
-    vec2 at = mix(p.lo, p.hi, u);
+    Patch p = choose_patch(target, u.z);
+    vec2 at = mix(p.lo, p.hi, u.xy);
     vec3 way = p.origin + p.du * at.x + p.dv * at.y - ray.origin;
     float far = length(way);
     if (!(far > 0.0)) return false;
@@ -33,17 +66,9 @@ bool aim_at_source(float choice, vec2 u, uint texel, uint sample_index, inout Ra
 
 // Density over solid angle of a ray that the source technique aims to where this one hit.
 float source_density(Hit hit, vec2 place, vec3 direction, float total) {
-    uvec2 texel = uvec2(place);
-    float leaf = pyramid_leaf(importance_map, texel);
-    if (leaf == 0.0) return 0.0;
-    uvec4 g = imageLoad(surface_image, ivec2(texel));
-    // Another surface in the same texel is never aimed at.
-    if (g.x != hit.instance + 1u || primitives[g.y].sheet != primitives[hit.primitive].sheet) return 0.0;
-    Patch p = patch_of(texel, hit.instance, g.y);
-    vec2 at = place - vec2(texel);
-    if (any(lessThan(at, p.lo)) || any(greaterThan(at, p.hi))) return 0.0;
-    float seen = abs(dot(area_of(p), direction));
-    return leaf / total * hit.t / seen * hit.t;
+    float leaf = pyramid_leaf(importance_map, uvec2(place));
+    float seen = leaf > 0.0 ? seen_area(hit, place, direction) : 0.0;
+    return seen > 0.0 ? leaf / total * hit.t / seen * hit.t : 0.0;
 }
 
 vec2 sky_row_cosines(uint row, uint rows) {

@@ -68,6 +68,12 @@ struct Texcoords {
     vec2 emission[3];
 };
 
+// A primitive as an instance has it.
+struct Piece {
+    uint instance;
+    uint primitive;
+};
+
 const uint PRIMITIVE_MAPPED = 1u;
 const uint PRIMITIVE_DOUBLE_SIDED = 2u;
 
@@ -93,6 +99,7 @@ const bool LIGHTS = (FEATURES & 32u) != 0u;
 const bool TEXTURES = (FEATURES & 64u) != 0u;
 const bool DYNAMIC = (FEATURES & 128u) != 0u;      // the light map follows a scene that changes
 const bool IMPORTANCE = (FEATURES & 256u) != 0u;   // rays are aimed at light as well
+const bool SHARED_TEXELS = (FEATURES & 512u) != 0u; // something that emits shares a texel with another surface
 
 layout(push_constant, std430) uniform Push {
     uvec2 map_size;       // texels

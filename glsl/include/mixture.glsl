@@ -67,12 +67,12 @@ bool aim_ray(Receiver r, uint index, uint sample_index, out Ray ray, out Aim aim
         ray.direction = r.frame * cosine_direction(stratified(index, cosine_rays, u.xy));
         ray.t_max = 1e30;
     } else {
-        float jitter = random4(r.key, sample_index, WALK_DIMENSION - 1u).x;
+        vec2 v = random4(r.key, sample_index, WALK_DIMENSION - 1u).xy;
         if (aim.technique == BY_SOURCE) {
-            float choice = (float(index - cosine_rays) + jitter) / float(push.source_rays);
-            aimed = aim_at_source(choice, u.xy, r.key, sample_index, ray, aim.texel);
+            float choice = (float(index - cosine_rays) + v.x) / float(push.source_rays);
+            aimed = aim_at_source(choice, vec3(u.xy, v.y), r.key, sample_index, ray, aim.texel);
         } else {
-            float choice = (float(index - cosine_rays - push.source_rays) + jitter) / float(push.sky_rays);
+            float choice = (float(index - cosine_rays - push.source_rays) + v.x) / float(push.sky_rays);
             aimed = SKY_MAP && aim_at_sky(choice, u.xy, r.key, sample_index, ray);
         }
     }

@@ -10,7 +10,7 @@ use crate::error::{Error, Result};
 use crate::features::Features;
 use crate::gpu::layout::{NO_FOOTPRINT, Push};
 use crate::gpu::{Commands, Constants, Gpu};
-use crate::pass::{Context, DeviceScene, Gbuffer, Maps, Settle, TexelKind, TexelList};
+use crate::pass::{Context, DeviceScene, Gbuffer, Maps, Pieces, Settle, TexelKind, TexelList};
 use crate::scene::{Atlas, Scene, Sky};
 use glam::Vec3;
 use std::ops::Range;
@@ -90,7 +90,7 @@ impl Core {
         settings: &BakeSettings,
         bvh: &mut Bvh,
         atlas: Atlas,
-        features: Features,
+        mut features: Features,
         mut statistics: Statistics,
     ) -> Result<Self> {
         let started = Instant::now();
@@ -101,12 +101,20 @@ impl Core {
         set_present(bvh, &movable, false);
         let mut commands = Commands::new(gpu)?;
         let mut device_scene = DeviceScene::new(gpu, &mut commands, scene, bvh, features)?;
-        let maps = Maps::new(gpu, &mut commands, size, device_scene.sky_size(), features)?;
+        let mut maps = Maps::new(gpu, &mut commands, size, device_scene.sky_size(), features)?;
         let constants = Constants::new(features, bvh);
         let context = Context { gpu, constants, scene: &device_scene, maps: &maps };
         let push = push_of(scene, settings, bvh, &device_scene, size);
         let compile = draw_surfaces(context, &mut commands, scene, bvh, &push)?;
-        let texels = list_texels(gpu, &mut commands, &maps, &mut statistics)?;
+        let surfaces: Vec<[u32; 4]> = commands.read_image(&maps.surface)?;
+        let texels = list_texels(gpu, &mut commands, &maps, &surfaces, &mut statistics)?;
+        if features.contains(Features::IMPORTANCE) {
+            let pieces = Pieces::new(&mut commands, scene, bvh, &device_scene, size, &surfaces)?;
+            features.set(Features::SHARED_TEXELS, pieces.shared_texels > 0);
+            (maps.pieces, device_scene.pieces) = (pieces.codes, pieces.list);
+            device_scene.host_primitives = Vec::new();
+        }
+        let constants = Constants::new(features, bvh);
         if !movable.is_empty() {
             set_present(bvh, &movable, true);
             commands.run(|recorder| device_scene.record_placing(recorder, bvh, 0..bvh.instances.len()))?;
@@ -172,9 +180,14 @@ fn row_slices([width, height]: [u32; 2]) -> impl Iterator<Item = Range<u32>> {
     (0..height).step_by(rows as usize).map(move |first| first..(first + rows).min(height))
 }
 
-fn list_texels(gpu: &Gpu, commands: &mut Commands, maps: &Maps, statistics: &mut Statistics) -> Result<TexelList> {
+fn list_texels(
+    gpu: &Gpu,
+    commands: &mut Commands,
+    maps: &Maps,
+    surfaces: &[[u32; 4]],
+    statistics: &mut Statistics,
+) -> Result<TexelList> {
     let footprints: Vec<u32> = commands.read_image(&maps.footprint)?;
-    let surfaces: Vec<[u32; 4]> = commands.read_image(&maps.surface)?;
     let texels = TexelList::new(gpu, commands, maps.size, |texel| match (surfaces[texel][0], footprints[texel]) {
         (0, _) => TexelKind::Empty,
         (_, NO_FOOTPRINT) => TexelKind::GivenUp,

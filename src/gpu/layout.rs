@@ -36,6 +36,8 @@ pub(crate) mod binding {
     pub(crate) const PYRAMID: u32 = 28;
     pub(crate) const EVIDENCE: u32 = 29;
     pub(crate) const SKY_EVIDENCE: u32 = 30;
+    pub(crate) const PIECES_MAP: u32 = 31;
+    pub(crate) const PIECES: u32 = 32;
 }
 
 /// What a hit needs of a triangle.
@@ -58,6 +60,14 @@ impl Primitive {
     pub(crate) const MAPPED: u32 = 1;
     /// It answers when seen from behind.
     pub(crate) const DOUBLE_SIDED: u32 = 2;
+}
+
+/// A primitive as an instance has it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct Piece {
+    pub(crate) instance: u32,
+    pub(crate) primitive: u32,
 }
 
 /// A material's factors.

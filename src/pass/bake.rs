@@ -30,6 +30,8 @@ impl Bake {
                 (binding::IMPORTANCE, Resource::Sampled(&maps.importance)),
                 (binding::SKY_IMPORTANCE, Resource::Sampled(&maps.sky_importance)),
                 (binding::EVIDENCE, Resource::StorageImage(&maps.evidence)),
+                (binding::PIECES_MAP, Resource::StorageImage(&maps.pieces)),
+                (binding::PIECES, Resource::Storage(&context.scene.pieces)),
                 (binding::SKY_EVIDENCE, Resource::StorageImage(&maps.sky_evidence)),
             ]);
             resources

@@ -83,6 +83,8 @@ impl Importance {
                 (binding::SUMS, Resource::Storage(&sums)),
                 (binding::PYRAMID, Resource::StorageImage(pyramid)),
                 (binding::EVIDENCE, Resource::StorageImage(&maps.evidence)),
+                (binding::PIECES_MAP, Resource::StorageImage(&maps.pieces)),
+                (binding::PIECES, Resource::Storage(&context.scene.pieces)),
                 (binding::SKY_EVIDENCE, Resource::StorageImage(&maps.sky_evidence)),
             ]);
             resources

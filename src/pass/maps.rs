@@ -28,6 +28,8 @@ pub(crate) struct Maps {
     /// Pyramid over the light map that rays are aimed by, and over the sky map.
     pub(crate) importance: Image,
     pub(crate) sky_importance: Image,
+    /// Texels that are more than one piece: `pass/pieces.rs`. 1 x 1 until somebody has looked.
+    pub(crate) pieces: Image,
     /// What rays tell of other ways to aim them; of light from the sky map.
     pub(crate) evidence: Image,
     pub(crate) sky_evidence: Image,
@@ -39,6 +41,9 @@ pub(crate) struct Maps {
 const PUBLISHED: usize = 3;
 
 const RADIANCE: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
+
+/// Where in the list a texel's pieces are.
+pub(super) const PIECES: vk::Format = vk::Format::R32_UINT;
 
 /// Name, format, size and number of that size.
 type Plan = (&'static str, vk::Format, [u32; 2], usize);
@@ -100,6 +105,10 @@ impl Maps {
             source: several(7)?,
             importance: image(8, usage)?,
             sky_importance: image(9, usage)?,
+            pieces: Image::new(
+                gpu,
+                ImageDesc { name: "pieces map", size: [1, 1], format: PIECES, usage, mip_levels: 1 },
+            )?,
             evidence: image(10, usage)?,
             sky_evidence: image(11, usage)?,
             light_map: several(12)?,
@@ -122,6 +131,7 @@ impl Maps {
             &self.mean_odd,
             &self.importance,
             &self.sky_importance,
+            &self.pieces,
             &self.evidence,
             &self.sky_evidence,
         ];

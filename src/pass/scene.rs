@@ -22,6 +22,10 @@ pub(crate) struct DeviceScene {
     pub(super) instances: Buffer,
     pub(super) materials: Buffer,
     pub(crate) radiators: Radiators,
+    /// What lies in texels beside what the g-buffer has, once somebody has looked.
+    pub(crate) pieces: Buffer,
+    /// `[primitive]`, where rays are aimed.
+    pub(crate) host_primitives: Vec<layout::Primitive>,
     pub(super) texcoords: Buffer,
     pub(crate) lights: Buffer,
     pub(crate) light_count: u32,
@@ -62,6 +66,8 @@ impl DeviceScene {
             hierarchy,
             triangles,
             primitives: upload(commands, "primitives", storage, &primitives)?,
+            pieces: upload::<layout::Piece>(commands, "pieces", storage, &[])?,
+            host_primitives: if features.contains(Features::IMPORTANCE) { primitives } else { Vec::new() },
             instances: upload(commands, "instances", storage, &bvh.instances)?,
             materials: upload(commands, "materials", storage, &radiators.materials)?,
             radiators,
@@ -71,6 +77,18 @@ impl DeviceScene {
             sky: upload_sky(commands, scene.sky())?,
             sampler: Sampler::new(gpu, [vk::SamplerAddressMode::CLAMP_TO_EDGE; 2])?,
         })
+    }
+
+    /// Whether a primitive emits.
+    pub(super) fn emits(&self, primitive: u32) -> bool {
+        let material = self.host_primitives[primitive as usize].material;
+        self.radiators.materials[material as usize].emission != [0.0; 3]
+    }
+
+    /// Whether two primitives are parts of one plane over the light map.
+    pub(super) fn same_sheet(&self, one: layout::Piece, other: layout::Piece) -> bool {
+        let sheet = |piece: layout::Piece| self.host_primitives[piece.primitive as usize].sheet;
+        one.instance == other.instance && sheet(one) == sheet(other)
     }
 
     /// What a shader that knows surfaces sees.

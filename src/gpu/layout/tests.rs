@@ -1,6 +1,6 @@
 //! Reflects every compiled module and compares it with what the host writes, in both directions.
 
-use super::{Answer, Light, Material, Primitive, Push, Texcoords, TracedRay, binding};
+use super::{Answer, Light, Material, Piece, Primitive, Push, Texcoords, TracedRay, binding};
 use crate::bvh::{InstanceRecord, Node, Triangle};
 use crate::gpu::pipeline::Constants;
 use spirq::ReflectConfig;
@@ -37,6 +37,7 @@ fn host_structs() -> Vec<HostStruct> {
         host_struct!("Triangle", Triangle { corners }),
         host_struct!("Primitive", Primitive { uvs, normals, material, flags, sheet }),
         host_struct!("Material", Material { albedo, emission }),
+        host_struct!("Piece", Piece { instance, primitive }),
         host_struct!(
             "Instance",
             InstanceRecord { object_to_world, world_to_object, root, first_primitive, flags, atlas }
@@ -126,6 +127,8 @@ fn host_bindings() -> BTreeMap<u32, BTreeSet<Kind>> {
         (binding::PYRAMID, vec![radiance()]),
         (binding::EVIDENCE, vec![radiance()]),
         (binding::SKY_EVIDENCE, vec![radiance()]),
+        (binding::PIECES_MAP, vec![image("R32ui")]),
+        (binding::PIECES, vec![storage("Piece")]),
     ];
     bindings.into_iter().map(|(binding, kinds)| (binding, kinds.into_iter().collect())).collect()
 }
