@@ -17,6 +17,8 @@ layout(set = 0, binding = 18, rgba32f) readonly uniform image2D emission_image;
 layout(set = 0, binding = 28, rgba32f) coherent uniform image2D pyramid_image;
 layout(set = 0, binding = 29, rgba32f) readonly uniform image2D evidence_image;
 layout(set = 0, binding = 30, rgba32f) readonly uniform image2D sky_evidence_image;
+// Luminance that rays are aimed by: leaves over areas.
+layout(set = 0, binding = 33, r32f) writeonly uniform image2D aimed_luminance_image;
 // A work group's sums, of level 0: (leaves, luminance squared times area, area, texels whose source is no light), the
 // evidence, and that of the sky.
 layout(set = 0, binding = 20, std430) writeonly buffer Sums { vec4 sums[]; };
@@ -51,6 +53,7 @@ float source_leaf(ivec2 texel, inout vec4 mine[3]) {
     bool is_light = leaf >= 0.0 && leaf <= 3.4e38;
     if (!is_light) leaf = 0.0;
     leaf = min(leaf, MOST);
+    imageStore(aimed_luminance_image, texel, vec4(area > 0.0 ? leaf / area : 0.0));
     mine[0] += vec4(leaf, leaf * luminance, area, is_light ? 0.0 : 1.0);
     mine[1] += imageLoad(evidence_image, texel);
     if (SKY_MAP) mine[2] += imageLoad(sky_evidence_image, texel);

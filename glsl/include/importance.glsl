@@ -12,28 +12,37 @@
 
 layout(set = 0, binding = 26) uniform texture2D importance_map;
 layout(set = 0, binding = 27) uniform texture2D sky_importance_map;
+// Leaves over areas.
+layout(set = 0, binding = 33, r32f) readonly uniform image2D aimed_luminance_image;
 
 // A line of sight goes a little beyond its end, which rounding must not hide.
 const float BEYOND_SIGHT = 1.001;
 
-// One of a texel's pieces, by area.
+// One of a texel's pieces, by area: a later one takes the place of those before in proportion to its share of all so far.
 Patch choose_patch(uvec2 texel, float u) {
     Shared s = pieces_of(texel, imageLoad(surface_image, ivec2(texel)));
     Patch chosen = patch_of(texel, s.owner.instance, s.owner.primitive);
     if (!SHARED_TEXELS || s.others == 0u) return chosen;
-    float rest = u * area_of_pieces(texel, s);
-    for (uint i = 0u; i <= s.others; ++i) {
+    float total = is_present(s.owner) ? length(area_of(chosen)) : 0.0;
+    for (uint i = 1u; i <= s.others; ++i) {
         Piece piece = piece_at(s, i);
         if (!is_present(piece)) continue;
-        chosen = patch_of(texel, piece.instance, piece.primitive);
-        rest -= length(area_of(chosen));
-        if (rest < 0.0) break;
+        Patch p = patch_of(texel, piece.instance, piece.primitive);
+        float area = length(area_of(p));
+        total += area;
+        float share = area / total;
+        if (u < share) {
+            chosen = p;
+            u /= share;
+        } else {
+            u = (u - share) / (1.0 - share);
+        }
     }
     return chosen;
 }
 
-// Area of all pieces of a texel, seen along a ray, as if they were parts of the plane that it hit; 0: that is none of them.
-float seen_area(Hit hit, vec2 place, vec3 direction) {
+// Cosine at what a ray hit, where rays are aimed at that; else 0.
+float cosine_at_piece(Hit hit, vec2 place, vec3 direction) {
     uvec2 texel = uvec2(place);
     Shared s = pieces_of(texel, imageLoad(surface_image, ivec2(texel)));
     for (uint i = 0u; i <= s.others; ++i) {
@@ -43,9 +52,8 @@ float seen_area(Hit hit, vec2 place, vec3 direction) {
         Patch p = patch_of(texel, piece.instance, piece.primitive);
         vec2 at = place - vec2(texel);
         if (any(lessThan(at, p.lo)) || any(greaterThan(at, p.hi))) return 0.0;
-        float seen = abs(dot(area_of(p), direction));
-        if (!SHARED_TEXELS || s.others == 0u) return seen;
-        return seen * (area_of_pieces(texel, s) / length(area_of(p)));
+        vec3 area = cross(p.du, p.dv);
+        return abs(dot(area, direction)) / length(area);
     }
     return 0.0;
 }
@@ -66,9 +74,9 @@ bool aim_at_source(float choice, vec3 u, uint texel, uint sample_index, inout Ra
 
 // Density over solid angle of a ray that the source technique aims to where this one hit.
 float source_density(Hit hit, vec2 place, vec3 direction, float total) {
-    float leaf = pyramid_leaf(importance_map, uvec2(place));
-    float seen = leaf > 0.0 ? seen_area(hit, place, direction) : 0.0;
-    return seen > 0.0 ? leaf / total * hit.t / seen * hit.t : 0.0;
+    float luminance = imageLoad(aimed_luminance_image, ivec2(place)).x;
+    float cosine = luminance > 0.0 ? cosine_at_piece(hit, place, direction) : 0.0;
+    return cosine > 0.0 ? luminance / total * hit.t / cosine * hit.t : 0.0;
 }
 
 vec2 sky_row_cosines(uint row, uint rows) {

@@ -38,6 +38,7 @@ pub(crate) mod binding {
     pub(crate) const SKY_EVIDENCE: u32 = 30;
     pub(crate) const PIECES_MAP: u32 = 31;
     pub(crate) const PIECES: u32 = 32;
+    pub(crate) const AIMED_LUMINANCE: u32 = 33;
 }
 
 /// What a hit needs of a triangle.

@@ -29,6 +29,7 @@ impl Bake {
                 (binding::MEAN_ODD, Resource::StorageImage(&maps.mean_odd)),
                 (binding::IMPORTANCE, Resource::Sampled(&maps.importance)),
                 (binding::SKY_IMPORTANCE, Resource::Sampled(&maps.sky_importance)),
+                (binding::AIMED_LUMINANCE, Resource::StorageImage(&maps.aimed_luminance)),
                 (binding::EVIDENCE, Resource::StorageImage(&maps.evidence)),
                 (binding::PIECES_MAP, Resource::StorageImage(&maps.pieces)),
                 (binding::PIECES, Resource::Storage(&context.scene.pieces)),

@@ -82,6 +82,7 @@ impl Importance {
                 (binding::EMISSION, Resource::StorageImage(&maps.emission)),
                 (binding::SUMS, Resource::Storage(&sums)),
                 (binding::PYRAMID, Resource::StorageImage(pyramid)),
+                (binding::AIMED_LUMINANCE, Resource::StorageImage(&maps.aimed_luminance)),
                 (binding::EVIDENCE, Resource::StorageImage(&maps.evidence)),
                 (binding::PIECES_MAP, Resource::StorageImage(&maps.pieces)),
                 (binding::PIECES, Resource::Storage(&context.scene.pieces)),

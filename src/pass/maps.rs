@@ -28,6 +28,8 @@ pub(crate) struct Maps {
     /// Pyramid over the light map that rays are aimed by, and over the sky map.
     pub(crate) importance: Image,
     pub(crate) sky_importance: Image,
+    /// Luminance of the pyramid's leaves.
+    pub(crate) aimed_luminance: Image,
     /// Texels that are more than one piece: `pass/pieces.rs`. 1 x 1 until somebody has looked.
     pub(crate) pieces: Image,
     /// What rays tell of other ways to aim them; of light from the sky map.
@@ -49,7 +51,7 @@ pub(super) const PIECES: vk::Format = vk::Format::R32_UINT;
 type Plan = (&'static str, vk::Format, [u32; 2], usize);
 
 /// `sky`: size of the sky map, where there is one.
-fn plans(size: [u32; 2], sky: [u32; 2], features: Features) -> [Plan; 13] {
+fn plans(size: [u32; 2], sky: [u32; 2], features: Features) -> [Plan; 14] {
     let dynamic = features.contains(Features::DYNAMIC);
     let importance = usize::from(features.contains(Features::IMPORTANCE));
     let sky_importance = usize::from(features.contains(Features::IMPORTANCE | Features::SKY_MAP));
@@ -66,6 +68,7 @@ fn plans(size: [u32; 2], sky: [u32; 2], features: Features) -> [Plan; 13] {
         ("source map", RADIANCE, size, several(2)),
         ("importance pyramid", RADIANCE, pyramid, importance),
         ("sky importance pyramid", RADIANCE, sky, sky_importance),
+        ("aimed luminance", vk::Format::R32_SFLOAT, size, importance),
         ("evidence map", RADIANCE, size, importance),
         ("sky evidence map", RADIANCE, size, sky_importance),
         ("light map", RADIANCE, size, several(PUBLISHED)),
@@ -109,9 +112,10 @@ impl Maps {
                 gpu,
                 ImageDesc { name: "pieces map", size: [1, 1], format: PIECES, usage, mip_levels: 1 },
             )?,
-            evidence: image(10, usage)?,
-            sky_evidence: image(11, usage)?,
-            light_map: several(12)?,
+            aimed_luminance: image(10, usage)?,
+            evidence: image(11, usage)?,
+            sky_evidence: image(12, usage)?,
+            light_map: several(13)?,
         };
         commands.run(|recorder| {
             recorder.initialise(&maps.all());
@@ -132,6 +136,7 @@ impl Maps {
             &self.importance,
             &self.sky_importance,
             &self.pieces,
+            &self.aimed_luminance,
             &self.evidence,
             &self.sky_evidence,
         ];
@@ -153,7 +158,7 @@ impl Maps {
 
 fn texel_bytes(format: vk::Format) -> u64 {
     match format {
-        vk::Format::R32_UINT => 4,
+        vk::Format::R32_UINT | vk::Format::R32_SFLOAT => 4,
         _ => 16,
     }
 }

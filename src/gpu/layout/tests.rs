@@ -129,6 +129,7 @@ fn host_bindings() -> BTreeMap<u32, BTreeSet<Kind>> {
         (binding::SKY_EVIDENCE, vec![radiance()]),
         (binding::PIECES_MAP, vec![image("R32ui")]),
         (binding::PIECES, vec![storage("Piece")]),
+        (binding::AIMED_LUMINANCE, vec![image("R32f")]),
     ];
     bindings.into_iter().map(|(binding, kinds)| (binding, kinds.into_iter().collect())).collect()
 }
