@@ -130,7 +130,8 @@ pub(crate) struct Evidence {
     pub(crate) squared: f64,
     pub(crate) area: f64,
     /// Mean relative variance a ray of light from surfaces and, without a sky map, from the sky: for cosine alone, and for
-    /// the mixtures of [`COSINES`] with the rest aimed at what is seen. Only where rays were aimed.
+    /// the two mixtures that `glsl/include/mixture.glsl` looks at, with the rest aimed at what is seen. Only where rays
+    /// were aimed.
     pub(crate) surfaces: [f64; 3],
     /// The same of light from the sky map, the squared mean not subtracted.
     pub(crate) sky: [f64; 3],
@@ -196,7 +197,8 @@ impl Chooser {
         let mixtures: &[(f64, Shares)] = if self.sky {
             &[
                 (s1 + 2.0 * k0, Shares::new(0.5, 0.5, 0.0)),
-                (2.0 * s0 + k1, Shares::new(0.5, 0.0, 0.5)),
+                // The squared mean is subtracted once.
+                (2.0 * s0 + 1.0 + k1, Shares::new(0.5, 0.0, 0.5)),
                 (s2 + k2, Shares::new(0.5, 0.25, 0.25)),
             ]
         } else {

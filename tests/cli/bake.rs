@@ -52,6 +52,11 @@ fn every_output_is_written_and_the_report_has_its_names() {
     let rate = number(&report["rays"]) / number(&seconds["bake"]) * 1e-6;
     assert!((rate / number(&report["mrays_per_s"]) - 1.0).abs() < 0.01, "{rate}: {report}");
     assert!(report["estimated_error"].is_null() || number(&report["estimated_error"]) >= 0.0);
+    let (sampling, shares) = (&report["sampling"], &report["sampling"]["shares"]);
+    let sum: f64 = ["cosine", "source", "sky"].iter().map(|technique| number(&shares[technique])).sum();
+    assert!((sum - 1.0).abs() < 1e-9 && (0.0..=1.0).contains(&number(&sampling["alpha"])), "{report}");
+    assert!(sampling["visible"]["source"].is_null() || number(&sampling["visible"]["source"]) <= 1.0, "{report}");
+    assert!(sampling["visible"]["sky"].is_null() && number(&sampling["pyramids"]) >= 1.0, "{report}");
     assert!(report["warnings"].is_array());
     assert_eq!((&report["seed"], &report["interrupted"]), (&3.into(), &false.into()));
     let instances = report["instances"].as_array().expect("is a list");

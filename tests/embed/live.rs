@@ -2,7 +2,7 @@
 
 use crate::engine::Engine;
 use crate::stage::SIDE;
-use lightoven::baker::{BakeSettings, Baker, Clock, FrameReport, FrameSettings, Mode};
+use lightoven::baker::{BakeSettings, Baker, Clock, FrameReport, FrameSettings, Mode, Sampling};
 use lightoven::gpu::BackendChoice;
 use lightoven::scene::{Resolution, Scene};
 use std::time::Duration;
@@ -19,11 +19,21 @@ pub(crate) struct Live {
 impl Live {
     /// By the test's own clock, whatever `frames` says.
     pub(crate) fn new(backend: BackendChoice, scene: &Scene, frames: FrameSettings) -> Option<Self> {
+        Self::sampled(backend, scene, frames, Sampling::Auto)
+    }
+
+    pub(crate) fn sampled(
+        backend: BackendChoice,
+        scene: &Scene,
+        frames: FrameSettings,
+        sampling: Sampling,
+    ) -> Option<Self> {
         let engine = Engine::new(backend)?;
         let frames = FrameSettings { clock: Clock::Engine, ..frames };
         let settings = BakeSettings {
             resolution: Resolution::Texels(SIDE),
             mode: Mode::Frames(frames),
+            sampling,
             ..BakeSettings::default()
         };
         let baker = Baker::new(engine.gpu(), scene, &settings).unwrap();

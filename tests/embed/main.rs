@@ -1,6 +1,7 @@
 //! A foreign engine embeds the baker: frames, changing worlds, time, bad input.
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
+mod aiming;
 mod bad_input;
 mod budget;
 mod engine;

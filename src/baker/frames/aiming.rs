@@ -13,6 +13,8 @@ use std::f64::consts::PI;
 
 /// Share of the light of a change that its last bounce may leave out when pyramids are no longer made.
 const LEFT: f64 = 0.01;
+/// After a change: by what shines, then by what aimed rays have shown, and once more.
+const DECISIONS: u64 = 3;
 /// Bounces that a pyramid follows, at most.
 const MOST_SWEEPS: f64 = 100.0;
 /// Pyramids for which cosine alone, once chosen by what rays have shown, is kept while the scene goes on changing.
@@ -22,7 +24,7 @@ const REST: u32 = 64;
 pub(super) struct Aiming {
     pass: Option<Importance>,
     chooser: Chooser,
-    /// Sweeps that a change's bounces take.
+    /// Sweeps for which a change is followed: its bounces, and the decisions about it.
     sweeps: u64,
     /// Sweeps from a pyramid until the frame that made it has been reported complete, whatever the budgets: a frame ends one
     /// sweep at most. Decisions by the count of sweeps alone make the light map the same however the work is cut.
@@ -52,12 +54,13 @@ impl Aiming {
         }
         let sweeps = if max_albedo > 0.0 { (LEFT.ln() / max_albedo.ln()).clamp(1.0, MOST_SWEEPS) } else { 1.0 };
         let sky = core.features.contains(Features::SKY_MAP);
+        let delay = u64::from(frames_in_flight) + 1;
         Ok(Self {
             due: pass.is_some(),
             pass,
             chooser: Chooser::new(sampling, sky),
-            sweeps: sweeps.ceil() as u64,
-            delay: u64::from(frames_in_flight) + 1,
+            sweeps: (sweeps.ceil() as u64).max(DECISIONS * delay),
+            delay,
             due_until: 0,
             sky_due: sky,
             awaited: None,

@@ -44,7 +44,8 @@ pub(crate) struct Sampling {
     alpha: f32,
     /// Of all rays of the bake.
     shares: Shares,
-    /// Share of aimed rays that saw what they were aimed at, lately; `null` where none was aimed.
+    /// Share of aimed rays that saw what they were aimed at, lately; those that would begin under the surface count, and
+    /// saw nothing. `null` where none was aimed.
     visible: Visible,
     /// 1: all surfaces shine alike; toward 0 the smaller the part that shines. `null` where no ray may be aimed.
     evenness: Option<f32>,
@@ -65,6 +66,14 @@ struct Visible {
 }
 
 impl Sampling {
+    fn summary(&self) -> String {
+        let aimed = self.shares.source + self.shares.sky;
+        let seen = [("the light map", self.visible.source), ("the sky", self.visible.sky)];
+        let seen = seen.into_iter().filter_map(|(what, seen)| Some(format!("{:.1} % saw {what}", 100.0 * seen?)));
+        let parts: Vec<String> = std::iter::once(format!("{:.0} % of them aimed", 100.0 * aimed)).chain(seen).collect();
+        parts.join(", ")
+    }
+
     fn new(statistics: &SamplingStatistics) -> Self {
         let rays = statistics.cosine_rays + statistics.source_rays + statistics.sky_rays;
         let share = |part: u64| part as f64 / rays.max(1) as f64;
@@ -178,7 +187,13 @@ impl Report {
             "samples  {:.1} a texel in {} epochs, estimated error {error}",
             self.samples_per_texel, self.epochs
         );
-        let _ = writeln!(text, "rays     {:.2} million, {:.2} Mrays/s", self.rays as f64 * 1e-6, self.mrays_per_s);
+        let _ = writeln!(
+            text,
+            "rays     {:.2} million, {:.2} Mrays/s, {}",
+            self.rays as f64 * 1e-6,
+            self.mrays_per_s,
+            self.sampling.summary()
+        );
         let _ = writeln!(
             text,
             "seconds  {:.2} in all: load {:.2}, bvh {:.2}, g-buffer {:.2}, direct {:.2}, bake {:.2}, resolve {:.2}, \
