@@ -266,7 +266,7 @@ mod tests {
         let mut chooser = Chooser::new(Sampling::Auto, true);
         chooser.begin(&LAMP);
         assert_eq!(chooser.shares(), Shares::new(0.5, 0.25, 0.25));
-        chooser.learn(&Evidence { surfaces: [0.1, 0.1, 0.1], sky: [50.0, 2.0, 3.0], ..LAMP });
+        chooser.learn(&Evidence { surfaces: [-0.9; 3], sky: [50.0, 2.0, 3.0], ..LAMP });
         assert_eq!(chooser.shares(), Shares::new(0.5, 0.0, 0.5));
     }
 
