@@ -40,6 +40,9 @@ impl Baker {
         let mut statistics = Statistics::default();
         let started = Instant::now();
         let motion = if settings.mode == Mode::Still { Motion::None } else { Motion::OfMovables };
+        if settings.sampling == Sampling::Importance {
+            warn_of_what_is_missed(scene, features, &mut statistics);
+        }
         let mut bvh = Bvh::build_for(scene, &atlas, motion)?;
         statistics.seconds.bvh = started.elapsed().as_secs_f64();
         let mut core = Core::new(gpu, scene, settings, &mut bvh, atlas, features, statistics)?;
@@ -53,6 +56,20 @@ impl Baker {
         };
         core.statistics.seconds.compile += started.elapsed().as_secs_f64();
         Ok(Self { core, running })
+    }
+}
+
+/// Aimed rays alone do not find everything.
+fn warn_of_what_is_missed(scene: &Scene, features: Features, statistics: &mut Statistics) {
+    if matches!(scene.sky(), Sky::Constant(radiance) if *radiance != Vec3::ZERO) {
+        statistics
+            .warn("sampling by importance alone leaves out the sky, which has one radiance; mixtures see it".into());
+    }
+    let emits = scene.materials().iter().any(crate::scene::Material::is_emissive);
+    if features.contains(Features::UNMAPPED) && emits {
+        statistics.warn(
+            "sampling by importance alone leaves out what emits without light-map coordinates; mixtures see it".into(),
+        );
     }
 }
 
