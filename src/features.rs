@@ -22,7 +22,7 @@ bitflags::bitflags! {
         const TEXTURES = 1 << 6;
         /// The light map follows a scene that changes.
         const DYNAMIC = 1 << 7;
-        /// Rays are aimed at light as well.
+        /// Rays are aimed at light as well: no property of the scene, but of how it is baked.
         const IMPORTANCE = 1 << 8;
         /// Something that emits shares a texel with another surface.
         const SHARED_TEXELS = 1 << 9;

@@ -7,6 +7,7 @@ use crate::features::Features;
 use crate::gpu::layout::Push;
 use crate::pass::{Context, Importance};
 use crate::sampling::Chooser;
+use std::time::Instant;
 
 /// Without the feature nothing is aimed and nothing is made.
 pub(super) struct Aiming {
@@ -53,6 +54,7 @@ impl Aiming {
         if occasion == Occasion::Epoch && !self.chooser.shares().any_aimed() {
             return Ok(());
         }
+        let started = Instant::now();
         let push = &core.push;
         let make_sky = !std::mem::replace(&mut self.sky_made, true);
         core.commands.run(|recorder| {
@@ -65,6 +67,7 @@ impl Aiming {
         })?;
         let sums = pass.read_sums(core.texels.count);
         let statistics = &mut core.statistics;
+        statistics.seconds.importance += started.elapsed().as_secs_f64();
         if sums.invalid > 0 {
             let invalid = sums.invalid;
             statistics.warn(format!("{invalid} texels shine beyond what 32-bit floats hold; no ray is aimed at them"));

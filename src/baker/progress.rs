@@ -79,12 +79,21 @@ pub struct Seconds {
     pub gbuffer: f64,
     /// The first source map and light from analytic lights.
     pub direct: f64,
+    /// Making the pyramids that rays are aimed by.
+    pub importance: f64,
     /// Gathering and making source maps.
     pub bake: f64,
     /// Resolving, for error estimates too, filling gutters and reading back.
     pub resolve: f64,
     /// Making pipelines, and what the driver compiles at their first use.
     pub compile: f64,
+}
+
+impl Seconds {
+    /// What epochs take beside gathering.
+    pub(super) fn beside_bake(&self) -> f64 {
+        self.importance + self.resolve
+    }
 }
 
 /// What a bake has done.

@@ -102,7 +102,7 @@ impl Still {
         let emitted = self.update_source(core)?;
         self.aiming.refresh(core, Occasion::NewSource)?;
         self.light_directly(core)?;
-        core.statistics.seconds.direct += started.elapsed().as_secs_f64();
+        core.statistics.seconds.direct += started.elapsed().as_secs_f64() - core.statistics.seconds.importance;
         let epochs = Epochs::new(self.bounces, emitted.max_albedo, emitted.mean_radiance);
         let mut state = State {
             epochs,
@@ -148,7 +148,7 @@ impl Still {
         // The first pass of few rays is gone through even then: there is no light map before it.
         let mut interrupted = false;
         loop {
-            let (started, resolved_before) = (Instant::now(), core.statistics.seconds.resolve);
+            let (started, apart_before) = (Instant::now(), core.statistics.seconds.beside_bake());
             let rays = if state.epoch == Epoch::Bounce { BOUNCE_RAYS } else { RAYS };
             let limit = stop.quanta(rays).min(state.next_estimate);
             match state.sweep.next(&self.pace, rays, limit) {
@@ -164,8 +164,8 @@ impl Still {
                     state.next_estimate = kept + (kept / 16).max(2);
                 }
             }
-            let resolving = core.statistics.seconds.resolve - resolved_before;
-            core.statistics.seconds.bake += started.elapsed().as_secs_f64() - resolving;
+            let apart = core.statistics.seconds.beside_bake() - apart_before;
+            core.statistics.seconds.bake += started.elapsed().as_secs_f64() - apart;
             core.statistics.samples_per_texel = f64::from(state.kept) * f64::from(RAYS);
             let report = core.statistics.progress(state.epoch, stop, clock.elapsed());
             interrupted |= progress(&report).is_break();

@@ -46,7 +46,7 @@ fn every_output_is_written_and_the_report_has_its_names() {
     }
     assert!(number(&report["texels"]) <= f64::from(width * height));
     let seconds = &report["seconds"];
-    let parts = ["load", "bvh", "gbuffer", "direct", "bake", "resolve", "write", "compile"];
+    let parts = ["load", "bvh", "gbuffer", "direct", "importance", "bake", "resolve", "write", "compile"];
     assert!(parts.iter().all(|part| number(&seconds[part]) >= 0.0), "{report}");
     assert!(number(&seconds["total"]) >= number(&seconds["bake"]), "{report}");
     let rate = number(&report["rays"]) / number(&seconds["bake"]) * 1e-6;

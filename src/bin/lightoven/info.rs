@@ -122,7 +122,8 @@ fn bake_text(scene: &Scene, arguments: &SceneArguments) -> Result<String> {
     layout_text(&mut text, &atlas);
     memory_text(&mut text, &memory);
     text.line("left out");
-    let left_out = Features::required(scene).left_out();
+    // As `bake` samples unless it is told otherwise.
+    let left_out = (Features::required(scene) | Features::IMPORTANCE).left_out();
     left_out.iter().for_each(|what| text.line(format_args!("  {what}")));
     if left_out.is_empty() {
         text.line("  nothing");

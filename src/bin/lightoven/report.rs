@@ -98,6 +98,7 @@ pub(crate) struct Seconds {
     bvh: f64,
     gbuffer: f64,
     direct: f64,
+    importance: f64,
     bake: f64,
     resolve: f64,
     write: f64,
@@ -153,6 +154,7 @@ impl Report {
                 bvh: passes.bvh,
                 gbuffer: passes.gbuffer,
                 direct: passes.direct,
+                importance: passes.importance,
                 bake: passes.bake,
                 resolve: passes.resolve,
                 write: measured.write,
@@ -196,13 +198,14 @@ impl Report {
         );
         let _ = writeln!(
             text,
-            "seconds  {:.2} in all: load {:.2}, bvh {:.2}, g-buffer {:.2}, direct {:.2}, bake {:.2}, resolve {:.2}, \
+            "seconds  {:.2} in all: load {:.2}, bvh {:.2}, g-buffer {:.2}, direct {:.2}, importance {:.2}, bake {:.2}, resolve {:.2}, \
              write {:.2}, compile {:.2}",
             seconds.total,
             seconds.load,
             seconds.bvh,
             seconds.gbuffer,
             seconds.direct,
+            seconds.importance,
             seconds.bake,
             seconds.resolve,
             seconds.write,
