@@ -42,18 +42,19 @@ vec3 gather(Receiver r, uint quantum, inout Evidence evidence) {
     return sum;
 }
 
-// What the rays of this dispatch tell: relative variances of a ray, and shares of aimed rays that found their aim.
+// What a quantum's rays tell: relative variances of a ray, and shares of aimed rays that found their aim.
 void store_evidence(ivec2 texel, Evidence evidence, vec3 irradiance) {
-    float quanta = float(max(push.quantum_count, 1u));
     float mean = push.mean_luminance > 0.0 ? push.mean_luminance : 1.0;
     float relative = dot(irradiance, LUMINANCE) / mean;
     float scale = relative * relative + (push.mean_luminance > 0.0 ? 0.01 : 0.0);
-    float weight = scale > 0.0 ? 1.0 / (scale * quanta) : 0.0;
+    float weight = scale > 0.0 ? 1.0 / scale : 0.0;
     vec3 hits = evidence.hits * weight - (scale > 0.0 ? relative * relative / scale : 0.0);
-    imageStore(evidence_image, texel, vec4(hits, evidence.seen / (quanta * float(max(push.source_rays, 1u)))));
+    vec3 misses = evidence.misses * weight;
+    // A texel of which nothing can be told has no say.
+    if (any(isnan(hits + misses)) || any(isinf(hits + misses))) hits = misses = vec3(0.0);
+    imageStore(evidence_image, texel, vec4(hits, evidence.seen / float(max(push.source_rays, 1u))));
     if (!SKY_MAP) return;
-    float seen = evidence.sky_seen / (quanta * float(max(push.sky_rays, 1u)));
-    imageStore(sky_evidence_image, texel, vec4(evidence.misses * weight, seen));
+    imageStore(sky_evidence_image, texel, vec4(misses, evidence.sky_seen / float(max(push.sky_rays, 1u))));
 }
 
 // Merges a quantum's mean into the running one: no sum that outgrows its addends.
@@ -69,7 +70,9 @@ vec3 gather_halves(Receiver r, ivec2 texel, inout Evidence evidence) {
     vec4 odd = anew ? vec4(0.0) : imageLoad(mean_odd, texel);
     float samples = float(push.rays);
     for (uint quantum = push.first_quantum; quantum < push.first_quantum + push.quantum_count; ++quantum) {
-        vec3 quantum_mean = gather(r, quantum, evidence);
+        Evidence told = NOTHING;
+        vec3 quantum_mean = gather(r, quantum, told);
+        if (quantum == push.evidence_quantum) evidence = told;
         if ((quantum & 1u) == 0u) accumulate(even, quantum_mean, samples);
         else accumulate(odd, quantum_mean, samples);
     }
@@ -85,7 +88,9 @@ vec3 gather_average(Receiver r, ivec2 texel, inout Evidence evidence) {
     float history = average.w > 0.0 ? push.history : 0.0;
     vec4 visit = vec4(0.0);
     for (uint i = 0u; i < push.quantum_count; ++i) {
-        vec3 quantum_mean = gather(r, push.first_quantum + i, evidence);
+        Evidence told = NOTHING;
+        vec3 quantum_mean = gather(r, push.first_quantum + i, told);
+        if (push.first_quantum + i == push.evidence_quantum) evidence = told;
         // What is no number would stay in the average for good.
         if (any(isnan(quantum_mean)) || any(isinf(quantum_mean))) quantum_mean = average.rgb;
         average.rgb += (quantum_mean - average.rgb) / (history + float(i + 1u));
@@ -109,7 +114,9 @@ void main() {
     bool mixed = IMPORTANCE && push.source_rays + push.sky_rays > 0u;
     r.source_total = mixed ? pyramid_total(importance_map, push.map_size) : 0.0;
     r.sky_total = mixed && SKY_MAP ? pyramid_total(sky_importance_map, uvec2(textureSize(sky_map, 0))) : 0.0;
-    Evidence evidence = Evidence(vec3(0.0), vec3(0.0), 0.0, 0.0);
+    Evidence evidence = NOTHING;
     vec3 irradiance = DYNAMIC ? gather_average(r, ivec2(texel), evidence) : gather_halves(r, ivec2(texel), evidence);
-    if (mixed) store_evidence(ivec2(texel), evidence, irradiance);
+    // One quantum tells, whichever others this dispatch has: the work may be cut in any way.
+    bool tells = push.evidence_quantum - push.first_quantum < push.quantum_count;
+    if (mixed && tells) store_evidence(ivec2(texel), evidence, irradiance);
 }

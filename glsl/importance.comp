@@ -40,14 +40,26 @@ float sky_leaf(uvec2 pixel) {
     return luminance_of(texelFetch(sky_map, ivec2(pixel), 0).rgb) * sky_solid_angle(pixel.y, leaves());
 }
 
+// Mean luminance over the pieces of what they emit, which in a dynamic scene the source map does not hold.
+float emitted(ivec2 texel, Shared s, float area) {
+    vec3 colour = imageLoad(emission_image, texel).rgb;
+    float sum = 0.0;
+    for (uint i = 0u; i <= s.others; ++i) {
+        Piece piece = piece_at(s, i);
+        if (!is_present(piece)) continue;
+        Patch p = patch_of(uvec2(texel), piece.instance, piece.primitive);
+        sum += luminance_of(materials[primitives[piece.primitive].material].emission * colour) * length(area_of(p));
+    }
+    return area > 0.0 ? sum / area : 0.0;
+}
+
 // Luminance times area; adds to this invocation's sums.
 float source_leaf(ivec2 texel, inout vec4 mine[3]) {
     uvec4 g = imageLoad(surface_image, texel);
     if (g.x == 0u) return 0.0;
-    vec3 radiance = texelFetch(source_map, texel, 0).rgb;
-    if (DYNAMIC) radiance += materials[primitives[g.y].material].emission * imageLoad(emission_image, texel).rgb;
-    float luminance = luminance_of(radiance);
-    float area = area_of_pieces(uvec2(texel), pieces_of(uvec2(texel), g));
+    Shared s = pieces_of(uvec2(texel), g);
+    float area = area_of_pieces(uvec2(texel), s);
+    float luminance = luminance_of(texelFetch(source_map, texel, 0).rgb) + (DYNAMIC ? emitted(texel, s, area) : 0.0);
     float leaf = luminance * area;
     // Written so that what is no number fails.
     bool is_light = leaf >= 0.0 && leaf <= 3.4e38;

@@ -66,6 +66,8 @@ pub struct SamplingStatistics {
     /// How even what shines is: 1 where all surfaces have one radiance, toward 0 the smaller the part is that shines.
     /// `None` where nobody asked.
     pub evenness: Option<f32>,
+    /// Texels whose radiance is negative, infinite or no number, lately: no ray is aimed at them.
+    pub invalid_texels: u64,
     /// Times that the pyramid, by which rays are aimed at the light map, was built.
     pub pyramids: u64,
 }
@@ -105,11 +107,11 @@ impl Shares {
         Self { cosine, source, sky }
     }
 
-    /// Rays of a quantum that are aimed at the light map and at the sky map: whole ones. A cosine's share that is not 0 has
-    /// a ray at least.
+    /// Rays of a quantum that are aimed at the light map and at the sky map: whole ones. Those by the cosine are rounded up.
     pub(crate) fn aimed_rays(self, rays: u32) -> [u32; 2] {
         let least = if self.cosine > 0.0 { 1 } else { 0 };
-        let cosine = ((self.cosine * f64::from(rays)).round() as u32).clamp(least, rays);
+        // Up, so that no ray weighs more than its share allows; but for what an f32 adds to a number of rays.
+        let cosine = ((self.cosine * f64::from(rays) - 1e-4).ceil().max(0.0) as u32).clamp(least, rays);
         let aimed = rays - cosine;
         let sky = (f64::from(aimed) * self.sky / (self.source + self.sky).max(1e-9)).round() as u32;
         [aimed - sky.min(aimed), sky.min(aimed)]
@@ -144,6 +146,12 @@ const LEAST_GAIN: f64 = 2.0;
 const EVEN: f64 = 0.5;
 
 impl Evidence {
+    /// About that of the irradiance: what shines, spread evenly over all surfaces.
+    pub(crate) fn mean_luminance(&self) -> f32 {
+        let mean = std::f64::consts::PI * self.power / self.area;
+        if mean.is_finite() { mean as f32 } else { 0.0 }
+    }
+
     /// 1 for a source of one radiance everywhere, toward 0 the smaller the part is that shines.
     pub(crate) fn evenness(&self) -> f64 {
         let evenness = self.power / self.area * (self.power / self.squared);

@@ -15,12 +15,26 @@ layout(set = 0, binding = 27) uniform texture2D sky_importance_map;
 // Leaves over areas.
 layout(set = 0, binding = 33, r32f) readonly uniform image2D aimed_luminance_image;
 
+// Finite, for 0 times it must be 0.
+const float MOST_DENSITY = 1e30;
 // A line of sight goes a little beyond its end, which rounding must not hide.
 const float BEYOND_SIGHT = 1.001;
 
+// What a line of sight must find.
+struct Target {
+    uvec2 texel;
+    Piece piece;
+};
+
+bool is_target(Hit hit, vec2 place, Target target) {
+    return uvec2(place) == target.texel && hit.instance == target.piece.instance
+           && primitives[hit.primitive].sheet == primitives[target.piece.primitive].sheet;
+}
+
 // One of a texel's pieces, by area: a later one takes the place of those before in proportion to its share of all so far.
-Patch choose_patch(uvec2 texel, float u) {
+Patch choose_patch(uvec2 texel, float u, out Piece chosen_piece) {
     Shared s = pieces_of(texel, imageLoad(surface_image, ivec2(texel)));
+    chosen_piece = s.owner;
     Patch chosen = patch_of(texel, s.owner.instance, s.owner.primitive);
     if (!SHARED_TEXELS || s.others == 0u) return chosen;
     float total = is_present(s.owner) ? length(area_of(chosen)) : 0.0;
@@ -33,6 +47,7 @@ Patch choose_patch(uvec2 texel, float u) {
         float share = area / total;
         if (u < share) {
             chosen = p;
+            chosen_piece = piece;
             u /= share;
         } else {
             u = (u - share) / (1.0 - share);
@@ -51,7 +66,9 @@ float cosine_at_piece(Hit hit, vec2 place, vec3 direction) {
         if (piece.instance != hit.instance || primitives[piece.primitive].sheet != primitives[hit.primitive].sheet) continue;
         Patch p = patch_of(texel, piece.instance, piece.primitive);
         vec2 at = place - vec2(texel);
-        if (any(lessThan(at, p.lo)) || any(greaterThan(at, p.hi))) return 0.0;
+        // Not by the rounding of where the hit is in the light map.
+        float slack = 2.4e-7 * max(place.x, place.y);
+        if (any(lessThan(at, p.lo - slack)) || any(greaterThan(at, p.hi + slack))) return 0.0;
         vec3 area = cross(p.du, p.dv);
         return abs(dot(area, direction)) / length(area);
     }
@@ -60,9 +77,9 @@ float cosine_at_piece(Hit hit, vec2 place, vec3 direction) {
 
 // From the ray's origin to a point of a texel that `u` chooses, and that texel by a leaf that `choice` in [0,1) chooses.
 // False: there is none.
-bool aim_at_source(float choice, vec3 u, uint texel, uint sample_index, inout Ray ray, out uvec2 target) {
-    if (!choose_leaf(importance_map, push.map_size, choice, texel, sample_index, target)) return false;
-    Patch p = choose_patch(target, u.z);
+bool aim_at_source(float choice, vec3 u, uint texel, uint sample_index, inout Ray ray, out Target target) {
+    if (!choose_leaf(importance_map, push.map_size, choice, texel, sample_index, target.texel)) return false;
+    Patch p = choose_patch(target.texel, u.z, target.piece);
     vec2 at = mix(p.lo, p.hi, u.xy);
     vec3 way = p.origin + p.du * at.x + p.dv * at.y - ray.origin;
     float far = length(way);
@@ -74,13 +91,16 @@ bool aim_at_source(float choice, vec3 u, uint texel, uint sample_index, inout Ra
 
 // Density over solid angle of a ray that the source technique aims to where this one hit.
 float source_density(Hit hit, vec2 place, vec3 direction, float total) {
-    float luminance = imageLoad(aimed_luminance_image, ivec2(place)).x;
+    uvec2 texel = uvec2(place);
+    float luminance = imageLoad(aimed_luminance_image, ivec2(texel)).x;
     float cosine = luminance > 0.0 ? cosine_at_piece(hit, place, direction) : 0.0;
-    return cosine > 0.0 ? luminance / total * hit.t / cosine * hit.t : 0.0;
-}
-
-vec2 sky_row_cosines(uint row, uint rows) {
-    return cos(vec2(row, row + 1u) * (PI / float(rows)));
+    if (!(cosine > 0.0)) return 0.0;
+    if (DYNAMIC) {
+        // What has been scaled or has gone since the pyramid was made is chosen as often as before, over its new area.
+        float area = area_of_pieces(texel, pieces_of(texel, imageLoad(surface_image, ivec2(texel))));
+        luminance = pyramid_leaf(importance_map, texel) / area;
+    }
+    return min(luminance / total * hit.t / cosine * hit.t, MOST_DENSITY);
 }
 
 // Toward a pixel of the sky that `choice` chooses, evenly over its solid angle.
@@ -88,9 +108,9 @@ bool aim_at_sky(float choice, vec2 u, uint texel, uint sample_index, inout Ray r
     uvec2 size = uvec2(textureSize(sky_map, 0));
     uvec2 pixel;
     if (!choose_leaf(sky_importance_map, size, choice, texel, sample_index, pixel)) return false;
-    vec2 cosines = sky_row_cosines(pixel.y, size.y);
-    float y = mix(cosines.x, cosines.y, u.y);
-    float angle = 2.0 * PI * ((float(pixel.x) + u.x) / float(size.x) - 0.5);
+    int row = int(pixel.y), rows = int(size.y);
+    float y = mix(sky_row_cosine(row, rows), sky_row_cosine(row + 1, rows), u.y);
+    float angle = sky_column_angle(float(pixel.x) + u.x, int(size.x));
     float radius = sqrt(max(0.0, 1.0 - y * y));
     ray.direction = vec3(radius * cos(angle), y, radius * sin(angle));
     ray.t_max = 1e30;

@@ -118,6 +118,7 @@ layout(push_constant, std430) uniform Push {
     uint rays;            // bake: of a quantum, those below included
     uint source_rays;     // bake: aimed at the light map
     uint sky_rays;        // bake: aimed at the sky map
+    uint evidence_quantum; // bake: which quantum tells of other mixtures
     uint first_level;     // importance: of the pyramid
     uint end_level;
     uint first_sample;    // bake: of quantum 0, for the random numbers

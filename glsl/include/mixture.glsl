@@ -32,7 +32,7 @@ struct Receiver {
 // What a ray must find.
 struct Aim {
     uint technique;
-    uvec2 texel;
+    Target target;
 };
 
 const uint BY_COSINE = 0u;
@@ -48,6 +48,8 @@ struct Evidence {
     float seen;
     float sky_seen;
 };
+
+const Evidence NOTHING = Evidence(vec3(0.0), vec3(0.0), 0.0, 0.0);
 
 // Shares of the cosine, and of the technique that found what was seen.
 const vec3 COSINES = SKY_MAP ? vec3(1.0, 0.5, 0.5) : vec3(1.0, 0.5, 0.25);
@@ -70,7 +72,7 @@ bool aim_ray(Receiver r, uint index, uint sample_index, out Ray ray, out Aim aim
         vec2 v = random4(r.key, sample_index, WALK_DIMENSION - 1u).xy;
         if (aim.technique == BY_SOURCE) {
             float choice = (float(index - cosine_rays) + v.x) / float(push.source_rays);
-            aimed = aim_at_source(choice, vec3(u.xy, v.y), r.key, sample_index, ray, aim.texel);
+            aimed = aim_at_source(choice, vec3(u.xy, v.y), r.key, sample_index, ray, aim.target);
         } else {
             float choice = (float(index - cosine_rays - push.source_rays) + v.x) / float(push.sky_rays);
             aimed = SKY_MAP && aim_at_sky(choice, u.xy, r.key, sample_index, ray);
@@ -94,7 +96,7 @@ vec3 weigh(Receiver r, Hit hit, vec3 direction, Aim aim, inout Evidence evidence
     if (aim.technique != BY_COSINE) {
         // A line of sight counts where it finds the very texel.
         bool found = hit.committed == (aim.technique == BY_SOURCE) && aimed > 0.0;
-        if (!found || aim.technique == BY_SOURCE && uvec2(place) != aim.texel) return vec3(0.0);
+        if (!found || aim.technique == BY_SOURCE && !is_target(hit, place, aim.target)) return vec3(0.0);
         if (aim.technique == BY_SOURCE) evidence.seen += 1.0;
         else evidence.sky_seen += 1.0;
     }

@@ -14,6 +14,8 @@ pub(super) struct Aiming {
     pass: Option<Importance>,
     chooser: Chooser,
     sky_made: bool,
+    /// About that of the irradiance: what shines, spread evenly.
+    mean_luminance: f32,
 }
 
 /// What a pyramid is made anew for.
@@ -38,13 +40,13 @@ impl Aiming {
                 Ok(())
             })?;
         }
-        Ok(Self { pass, chooser, sky_made: false })
+        Ok(Self { pass, chooser, sky_made: false, mean_luminance: 0.0 })
     }
 
     /// A quantum of `rays`, some of them aimed.
     pub(super) fn push(&self, push: Push, rays: u32) -> Push {
         let [source_rays, sky_rays] = self.chooser.shares().aimed_rays(rays);
-        Push { rays, source_rays, sky_rays, ..push }
+        Push { rays, source_rays, sky_rays, mean_luminance: self.mean_luminance, ..push }
     }
 
     /// Makes the pyramids from the source map, and chooses how many rays are aimed. Where none are and none may be, nothing
@@ -72,6 +74,8 @@ impl Aiming {
             let invalid = sums.invalid;
             statistics.warn(format!("{invalid} texels shine beyond what 32-bit floats hold; no ray is aimed at them"));
         }
+        self.mean_luminance = sums.evidence.mean_luminance();
+        statistics.sampling.invalid_texels = sums.invalid;
         statistics.sampling.evenness = Some(sums.evidence.evenness() as f32);
         statistics.sampling.pyramids += 1;
         match occasion {

@@ -153,6 +153,7 @@ pub(crate) struct Push {
     pub(crate) rays: u32,
     pub(crate) source_rays: u32,
     pub(crate) sky_rays: u32,
+    pub(crate) evidence_quantum: u32,
     pub(crate) first_level: u32,
     pub(crate) end_level: u32,
     pub(crate) first_sample: u32,

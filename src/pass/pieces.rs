@@ -1,5 +1,6 @@
 //! What lies in a texel beside the primitive that the g-buffer has there: a lamp's chart may be smaller than a texel and
-//! share it with another's. Rays are aimed at all of them, for all answer with that texel's radiance.
+//! share it with another's. Rays are aimed at all of them, for all answer with that texel's radiance; in a dynamic scene with
+//! that and their own emission. What is dark at first is found by chance when it shines later.
 
 use super::maps::PIECES;
 use super::scene::DeviceScene;
@@ -38,7 +39,8 @@ impl Pieces {
         surfaces: &[[u32; 4]],
     ) -> Result<Self> {
         let mut found = Vec::new();
-        for (instance, placed) in scene.instances().iter().enumerate() {
+        let any_emits = device_scene.radiators.materials.iter().any(|material| material.emission != [0.0; 3]);
+        for (instance, placed) in scene.instances().iter().enumerate().filter(|_| any_emits) {
             let range = &bvh.meshes[placed.mesh];
             let atlas = bvh.instances[instance].atlas;
             for index in range.first_primitive..range.first_primitive + range.count {
@@ -68,16 +70,17 @@ impl Pieces {
         let mut shared_texels = 0;
         for of_texel in found.chunk_by(|(one, _), (other, _)| one == other) {
             let first = list.len();
+            if first >= 1 << FIRST_BITS {
+                break;
+            }
             for (_, piece) in of_texel {
                 let known = list[first..].iter().any(|other| device_scene.same_sheet(*other, *piece));
                 if !known && list.len() - first < MOST {
                     list.push(*piece);
                 }
             }
-            if first < 1 << FIRST_BITS {
-                codes[of_texel[0].0] = ((list.len() - first) as u32) << FIRST_BITS | first as u32;
-                shared_texels += 1;
-            }
+            codes[of_texel[0].0] = ((list.len() - first) as u32) << FIRST_BITS | first as u32;
+            shared_texels += 1;
         }
         let (format, usage) = (PIECES, vk::ImageUsageFlags::STORAGE);
         let desc = ImageDesc { name: "pieces map", size, format, usage, mip_levels: 1 };

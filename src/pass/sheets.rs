@@ -5,16 +5,19 @@ use crate::scene::Mesh;
 use glam::{DVec2, DVec3};
 use std::collections::HashMap;
 
+/// Corners that more triangles than this have in common join none: each sheet there goes through all of them.
+const MOST_AT_A_CORNER: usize = 1000;
 /// How far from a sheet's map a corner may lie, as a share of its triangle's longest side.
 const TOLERANCE: f64 = 1e-4;
 
 /// `[triangle]`: the first triangle of its sheet. Sheets grow over shared corners.
 pub(super) fn of_mesh(mesh: &Mesh) -> Vec<u32> {
     let corners = corners_of(mesh);
-    let mut at: HashMap<[u32; 5], Vec<u32>> = HashMap::new();
+    // Triangles at a corner, those left that are on no sheet yet, and the sheet that has last gone through them.
+    let mut at: HashMap<[u32; 5], (Vec<u32>, Option<u32>)> = HashMap::new();
     for (triangle, corners) in corners.iter().enumerate() {
         for corner in corners.iter().flatten() {
-            at.entry(corner.key()).or_default().push(triangle as u32);
+            at.entry(corner.key()).or_default().0.push(triangle as u32);
         }
     }
     let mut sheets: Vec<Option<u32>> = vec![None; corners.len()];
@@ -27,13 +30,18 @@ pub(super) fn of_mesh(mesh: &Mesh) -> Vec<u32> {
         let mut front = vec![first as u32];
         while let Some(triangle) = front.pop() {
             for corner in corners[triangle as usize].iter().flatten() {
-                for neighbour in &at[&corner.key()] {
+                let Some((neighbours, gone_through)) = at.get_mut(&corner.key()) else { continue };
+                if gone_through.replace(first as u32) == Some(first as u32) || neighbours.len() > MOST_AT_A_CORNER {
+                    continue;
+                }
+                neighbours.retain(|neighbour| {
                     let known = &mut sheets[*neighbour as usize];
                     if known.is_none() && corners[*neighbour as usize].as_ref().is_some_and(|c| map.holds(c)) {
                         *known = Some(first as u32);
                         front.push(*neighbour);
                     }
-                }
+                    known.is_none()
+                });
             }
         }
     }
@@ -89,5 +97,28 @@ impl AffineMap {
             let position = self.position + self.along[0] * place.x + self.along[1] * place.y;
             position.distance(corner.position.as_dvec3()) <= TOLERANCE * longest
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Material, MeshDesc, MeshPart, Scene, SceneDesc};
+    use glam::{Vec2, Vec3};
+
+    /// Two triangles of a square, one more of its plane with another scale in the light map, and a folded one.
+    #[test]
+    fn one_map_is_one_sheet() {
+        let square = [Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y];
+        let mut positions: Vec<Vec3> = square.map(|p| p.extend(0.0)).to_vec();
+        let mut uvs: Vec<Vec2> = square.map(|p| p * 0.25).to_vec();
+        positions.extend([Vec3::new(2.0, 0.0, 0.0), Vec3::new(0.5, 2.0, 1.0)]);
+        uvs.extend([Vec2::new(0.3, 0.0), Vec2::new(0.125, 0.5)]);
+        let indices = vec![0, 1, 2, 0, 2, 3, 1, 4, 2, 3, 2, 5];
+        let part = MeshPart { positions, light_map_uvs: Some(uvs), indices, ..MeshPart::default() };
+        let meshes = vec![MeshDesc { name: "folded".into(), parts: vec![part] }];
+        let desc = SceneDesc { meshes, materials: vec![Material::default()], ..SceneDesc::default() };
+        let scene = Scene::new(desc).expect("is valid");
+        assert_eq!(of_mesh(&scene.meshes()[0]), [0, 0, 2, 3]);
     }
 }

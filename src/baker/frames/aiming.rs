@@ -9,7 +9,6 @@ use crate::gpu::layout::Push;
 use crate::pass::{Context, Importance};
 use crate::sampling::{Chooser, Sampling};
 use crate::schedule::Work;
-use std::f64::consts::PI;
 
 /// Share of the light of a change that its last bounce may leave out when pyramids are no longer made.
 const LEFT: f64 = 0.01;
@@ -79,6 +78,10 @@ impl Aiming {
     pub(super) fn changed(&mut self, sweeps: u64, sky: bool) {
         self.due = self.pass.is_some();
         self.sky_due |= sky;
+        // After a rest anything may have become another scene; one that never comes to rest is looked at now and then.
+        if sweeps > self.due_until {
+            self.rest = 0;
+        }
         self.due_until = sweeps + self.sweeps;
     }
 
@@ -128,7 +131,8 @@ impl Aiming {
             self.awaited = None;
             let sums = pass.read_sums(core.texels.count);
             core.statistics.sampling.evenness = Some(sums.evidence.evenness() as f32);
-            self.mean_luminance = (PI * sums.evidence.power / sums.evidence.area.max(f64::MIN_POSITIVE)) as f32;
+            self.mean_luminance = sums.evidence.mean_luminance();
+            core.statistics.sampling.invalid_texels = sums.invalid;
             if aimed {
                 core.statistics.sampling.saw(self.rays, sums.seen);
                 self.chooser.learn(&sums.evidence);

@@ -154,7 +154,7 @@ impl Frames {
         let (frame, row) = self.flight.begin();
         match row {
             Some(row) if !budget.is_zero() => self.fill(core, commands, frame, row, budget),
-            row => Ok(self.idle(frame, row.is_none())),
+            row => Ok(self.idle(core, frame, row.is_none())),
         }
     }
 
@@ -177,7 +177,7 @@ impl Frames {
             row => {
                 // The engine waits for what is signalled, whether there was work or not.
                 self.submitter.submit(None, wait, signal)?;
-                Ok(self.idle(frame, row.is_none()))
+                Ok(self.idle(core, frame, row.is_none()))
             }
         }
     }
@@ -189,8 +189,9 @@ impl Frames {
         Err(Error::settings("a baker's frames are either all recorded or all submitted; this one began the other way"))
     }
 
-    fn idle(&self, frame: FrameId, held_up: bool) -> FrameReport {
-        FrameReport { frame, held_up, sweeps: self.sweeps, ..FrameReport::default() }
+    fn idle(&self, core: &Core, frame: FrameId, held_up: bool) -> FrameReport {
+        let sampling = core.statistics.sampling;
+        FrameReport { frame, held_up, sampling, sweeps: self.sweeps, ..FrameReport::default() }
     }
 
     /// One frame's work.

@@ -65,6 +65,7 @@ fn host_structs() -> Vec<HostStruct> {
                 rays,
                 source_rays,
                 sky_rays,
+                evidence_quantum,
                 first_level,
                 end_level,
                 first_sample,
