@@ -15,6 +15,8 @@ pub(crate) struct Chart {
     first: [u32; 2],
     /// Columns, and rows.
     pub(crate) size: u32,
+    /// Side of the light map, texels.
+    side: u32,
     /// How far the chart ends before the outermost texels' borders, texels; negative: how far beyond them.
     inset: f32,
 }
@@ -23,13 +25,18 @@ impl Chart {
     /// One of 16 of 6 x 6 texels. The chart ends on the borders of its texels.
     pub(crate) fn new(index: u32) -> Self {
         assert!(index < 16);
-        Self { first: [index % COLUMNS * 8 + 1, index / COLUMNS * 8 + 1], size: 6, inset: 0.0 }
+        Self::at([index % COLUMNS * 8 + 1, index / COLUMNS * 8 + 1], 6)
     }
 
     /// One of 12 of 28 x 28 texels, apart from the small ones.
     pub(crate) fn large(index: u32) -> Self {
         assert!(index < 12);
-        Self { first: [index % COLUMNS * 31 + 2, 34 + index / COLUMNS * 31], size: 28, inset: 0.0 }
+        Self::at([index % COLUMNS * 31 + 2, 34 + index / COLUMNS * 31], 28)
+    }
+
+    /// From this column and row on, with this many of both. Right of column 32 and above row 34 there are no others.
+    pub(crate) fn at(first: [u32; 2], size: u32) -> Self {
+        Self { first, size, side: SIDE, inset: 0.0 }
     }
 
     /// Ends `inset` texels earlier, so that no texel is merely touched.
@@ -44,9 +51,14 @@ impl Chart {
 
     /// Light-map coordinates of the corners (0, 0), (1, 0), (1, 1), (0, 1) of the rectangle.
     fn corners(self) -> [Vec2; 4] {
+        [Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y].map(|share| self.uv(share))
+    }
+
+    /// Light-map coordinates at a share of both sides.
+    pub(crate) fn uv(self, share: Vec2) -> Vec2 {
         let [x, y] = self.first.map(|first| first as f32);
         let (lo, hi) = (Vec2::new(x, y) + self.inset, Vec2::new(x, y) + self.size as f32 - self.inset);
-        [lo, Vec2::new(hi.x, lo.y), hi, Vec2::new(lo.x, hi.y)].map(|texel| texel / SIDE as f32)
+        (lo + (hi - lo) * share) / self.side as f32
     }
 
     /// The texels, row-major: place in the light map, and the centre's place in the rectangle.
@@ -55,7 +67,7 @@ impl Chart {
         (0..self.size * self.size).map(move |i| {
             let (column, row) = (i % self.size, i / self.size);
             let along = |texel: u32| (f64::from(texel) + 0.5 - f64::from(self.inset)) / self.side();
-            (((y + row) * SIDE + x + column) as usize, [along(column), along(row)])
+            (((y + row) * self.side + x + column) as usize, [along(column), along(row)])
         })
     }
 }
@@ -119,7 +131,11 @@ impl Stage {
 
     /// A mesh of these rectangles, placed by `transform`.
     pub(crate) fn place(&mut self, quads: &[Quad], transform: DAffine3) {
-        let parts = quads.iter().map(Quad::part).collect();
+        self.place_parts(quads.iter().map(Quad::part).collect(), transform);
+    }
+
+    /// A mesh of these parts, placed by `transform`.
+    pub(crate) fn place_parts(&mut self, parts: Vec<MeshPart>, transform: DAffine3) {
         let mesh = self.desc.meshes.len();
         self.desc.meshes.push(MeshDesc { name: format!("mesh {mesh}"), parts });
         self.desc.instances.push(Instance {

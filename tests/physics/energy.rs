@@ -1,7 +1,7 @@
 //! What comes in goes out: closed rooms, dark ones, and rooms beside a lit one.
 
 use crate::device::on_both_back_ends;
-use crate::estimate::{Estimate, bake, irradiance, mean};
+use crate::estimate::{Estimate, How, bake, irradiance, mean};
 use crate::stage::{Chart, Quad, Stage, room};
 use glam::{DVec3, Vec3};
 use lightoven::baker::{Bounces, LightMap};
@@ -31,7 +31,7 @@ fn closed_room(gpu: &Gpu) {
     let emitted = PI * area(&walls[1]);
     // The tolerance: a texel across a wall's two triangles takes its light on one of them, and .5^9 of some light is missing.
     let figure = |map: &LightMap| absorbed(map) / emitted;
-    let estimate = Estimate::of(gpu, &stage.with(&walls), 64, Bounces::Limit(BOUNCES), figure);
+    let estimate = Estimate::of(gpu, &stage.with(&walls), How::new(64, Bounces::Limit(BOUNCES)), figure);
     estimate.assert_is("absorbed over emitted power", gpu, 1.0, 1e-3, 5e-3);
 }
 
@@ -39,7 +39,7 @@ fn black_scene(gpu: &Gpu) {
     let mut stage = Stage::new();
     let grey = stage.material(0.5, 0.0);
     let walls = room(Vec3::ZERO, SIZE, Chart::new, grey);
-    let (map, _) = bake(gpu, &stage.with(&walls), 64, Bounces::Auto, 0);
+    let (map, _) = bake(gpu, &stage.with(&walls), How::new(64, Bounces::Auto), 0);
     assert!(map.pixels.iter().all(|pixel| pixel[..3] == [0.0; 3]));
     assert!(map.pixels.iter().any(|pixel| pixel[3] == 1.0));
 }
@@ -60,7 +60,7 @@ fn two_rooms(gap: f32) -> (Scene, [Quad; 12]) {
 fn room_beside_a_lit_one(gpu: &Gpu) {
     for gap in [0.1, 1e-3] {
         let (scene, walls) = two_rooms(gap);
-        let (map, _) = bake(gpu, &scene, 1024, Bounces::Auto, 0);
+        let (map, _) = bake(gpu, &scene, How::new(1024, Bounces::Auto), 0);
         let of = |walls: &[Quad]| -> Vec<f64> {
             walls.iter().flat_map(|wall| irradiance(&map, wall.chart.unwrap_or(Chart::new(0)))).collect()
         };

@@ -1,28 +1,57 @@
-//! Cases 4, 5 and 6: light from one black square that shines.
+//! Cases 4, 5, 6 and 7: light from one black square that shines, by each way of sampling.
 
 use crate::device::on_both_back_ends;
-use crate::estimate::{Estimate, mean};
+use crate::estimate::{Estimate, How, MIXTURES, SAMPLINGS};
 use crate::stage::{Chart, Facing, Quad, Stage, level_square};
 use glam::Vec3;
-use lightoven::baker::Bounces;
+use lightoven::baker::{Bounces, Sampling};
 use lightoven::gpu::Gpu;
-use std::f64::consts::PI;
+use lightoven::scene::Scene;
+use std::f64::consts::{PI, TAU};
 
 on_both_back_ends!(
     parallel_squares,
     perpendicular_squares,
     point_close_to_a_square,
     point_before_a_square,
-    point_far_away
+    point_far_away,
+    point_beside_a_wall,
+    variance_beside_a_wall,
 );
 
-/// What part of the emitter's radiosity the receiver gets, over seeds. Both are black, material 0 shines.
-fn form_factor(gpu: &Gpu, receiver: Quad, emitter: Quad, samples: u32) -> Estimate {
+/// Both are black, material 0 shines.
+fn scene(receiver: Quad, emitter: Quad) -> Scene {
     let mut stage = Stage::new();
     let (lamp, black) = (stage.material(0.0, 1.0), stage.material(0.0, 0.0));
-    let quads = [Quad { material: black, ..receiver }, Quad { material: lamp, ..emitter }];
-    let chart = receiver.chart.unwrap();
-    Estimate::of(gpu, &stage.with(&quads), samples, Bounces::Auto, |map| mean(map, chart) / PI)
+    stage.with(&[Quad { material: black, ..receiver }, Quad { material: lamp, ..emitter }])
+}
+
+/// What is expected, what beside noise is allowed, and what is resolved.
+struct Expected {
+    factor: f64,
+    tolerance: f64,
+    resolution: f64,
+    /// By rays that are all aimed: beside what shines their variance has no bound.
+    aimed_resolution: f64,
+}
+
+/// What part of the emitter's radiosity the receiver gets, by each way of sampling.
+fn assert_form_factor(
+    gpu: &Gpu,
+    what: &str,
+    [receiver, emitter]: [Quad; 2],
+    samples: u32,
+    samplings: &[Sampling],
+    expected: Expected,
+) {
+    let (scene, chart) = (scene(receiver, emitter), receiver.chart.unwrap());
+    for sampling in samplings {
+        let how = How::new(samples, Bounces::Auto).by(*sampling);
+        let estimate = Estimate::direct(gpu, &scene, how, chart).times(PI.recip());
+        let Expected { factor, tolerance, resolution, aimed_resolution } = expected;
+        let resolution = if *sampling == Sampling::Importance { aimed_resolution } else { resolution };
+        estimate.assert_is(&format!("{what}, {sampling:?}"), gpu, factor, tolerance, resolution);
+    }
 }
 
 /// Fine, for a texel across the square's two triangles takes its light on one of them: with 6 texels a side the mean is off
@@ -40,8 +69,8 @@ fn ceiling(height: f32) -> Quad {
 }
 
 fn parallel_squares(gpu: &Gpu) {
-    let estimate = form_factor(gpu, floor(), ceiling(1.0), 512);
-    estimate.assert_is("parallel unit squares", gpu, 0.199_824_9, 1e-3, 1e-3);
+    let expected = Expected { factor: 0.199_824_9, tolerance: 1e-3, resolution: 1e-3, aimed_resolution: 1e-3 };
+    assert_form_factor(gpu, "parallel unit squares", [floor(), ceiling(1.0)], 1024, &SAMPLINGS, expected);
 }
 
 /// A shining wall over the floor's edge x = -.5.
@@ -51,24 +80,72 @@ fn wall() -> Quad {
 }
 
 fn perpendicular_squares(gpu: &Gpu) {
-    let estimate = form_factor(gpu, floor(), wall(), 512);
-    estimate.assert_is("perpendicular unit squares", gpu, 0.200_043_8, 1e-3, 1e-3);
+    let expected = Expected { factor: 0.200_043_8, tolerance: 1e-3, resolution: 2e-3, aimed_resolution: 2e-2 };
+    assert_form_factor(gpu, "perpendicular unit squares", [floor(), wall()], 1024, &SAMPLINGS, expected);
 }
 
 /// A receiver this small is a point: its own extent changes the answer by less than a millionth.
 const POINT: f32 = 1e-4;
 
 fn point_close_to_a_square(gpu: &Gpu) {
-    let estimate = form_factor(gpu, point(), ceiling(0.1), 4096);
-    estimate.assert_is("point .1 under a unit square", gpu, 0.968_340, 1e-6, 1e-3);
+    let expected = Expected { factor: 0.968_340, tolerance: 1e-6, resolution: 8e-3, aimed_resolution: 3e-2 };
+    assert_form_factor(gpu, "point .1 under a unit square", [point(), ceiling(0.1)], 8192, &SAMPLINGS, expected);
 }
 
 fn point_before_a_square(gpu: &Gpu) {
-    let estimate = form_factor(gpu, point(), ceiling(1.0), 4096);
-    estimate.assert_is("point 1 under a unit square", gpu, 0.239_456, 1e-6, 1e-3);
+    let expected = Expected { factor: 0.239_456, tolerance: 1e-6, resolution: 2e-3, aimed_resolution: 1e-3 };
+    assert_form_factor(gpu, "point 1 under a unit square", [point(), ceiling(1.0)], 8192, &SAMPLINGS, expected);
 }
 
 fn point_far_away(gpu: &Gpu) {
-    let estimate = form_factor(gpu, point(), ceiling(10.0), 4096);
-    estimate.assert_is("point 10 under a unit square", gpu, 0.003_172_53, 1e-8, 2e-4);
+    let expected = Expected { factor: 0.003_172_53, tolerance: 1e-8, resolution: 5e-4, aimed_resolution: 1e-6 };
+    assert_form_factor(gpu, "point 10 under a unit square", [point(), ceiling(10.0)], 8192, &SAMPLINGS, expected);
+}
+
+/// A point at `distance` before the lower corner of an upright unit square.
+fn beside_a_wall(distance: f32) -> [Quad; 2] {
+    let receiver = level_square(distance.min(0.01) * 0.01, 0.0, Facing::Up, Chart::new(0), 0);
+    let corner = Vec3::X * distance;
+    [receiver, Quad { corner, u: Vec3::Z, v: Vec3::Y, chart: Some(Chart::new(1)), material: 0 }]
+}
+
+/// Howell, "A Catalog of Radiation Heat Transfer Configuration Factors", B-4, both sides 1.
+fn beside_a_wall_factor(distance: f64) -> f64 {
+    let far = (1.0 + distance * distance).sqrt();
+    ((1.0 / distance).atan() - distance / far * (1.0 / far).atan()) / TAU
+}
+
+/// Rays that are all aimed have a standard deviation of 3.6 a ray at .1, of 32 at .01: nearer they are no estimate.
+fn point_beside_a_wall(gpu: &Gpu) {
+    assert!((beside_a_wall_factor(1.0) - 0.055_734).abs() < 1e-6);
+    for (distance, aimed_resolution) in [(1.0, 1e-4), (0.1, 2e-2)] {
+        let factor = beside_a_wall_factor(distance);
+        let expected = Expected { factor, tolerance: 1e-6, resolution: 2e-3, aimed_resolution };
+        let what = format!("point {distance} before a wall");
+        let alone = [Sampling::Cosine, Sampling::Importance];
+        assert_form_factor(gpu, &what, beside_a_wall(distance as f32), 8192, &alone, expected);
+    }
+}
+
+/// A mixture has a bound however near the wall is. Rays are stratified, and rays of a quantum share the techniques out:
+/// that is measured with the rest.
+fn variance_beside_a_wall(gpu: &Gpu) {
+    const SAMPLES: u32 = 8192;
+    // A ray weighs at most pi / share times the radiance, so that its relative variance is at most 1 / (share * factor) - 1:
+    // 2.6^2 for a half at the wall, 6.2^2 for a tenth.
+    let most = MIXTURES.into_iter().zip([3.0, 6.2]);
+    let cases = [1.0, 0.1, 0.01, 0.001].into_iter().flat_map(|distance| most.clone().map(move |most| (distance, most)));
+    for (distance, (sampling, most)) in cases {
+        let [receiver, emitter] = beside_a_wall(distance as f32);
+        let (scene, chart) = (scene(receiver, emitter), receiver.chart.unwrap());
+        let how = How::new(SAMPLES, Bounces::Auto).by(sampling);
+        let estimate = Estimate::direct(gpu, &scene, how, chart).times(PI.recip());
+        let (expected, what) =
+            (beside_a_wall_factor(distance), format!("point {distance} before a wall, {sampling:?}"));
+        estimate.assert_is(&what, gpu, expected, 1e-6, 0.04 * expected);
+        let rays = chart.texels().count() as f64 * f64::from(SAMPLES);
+        let of_a_ray = estimate.standard_error * rays.sqrt() / estimate.mean;
+        println!("{what}, {}: relative standard deviation of a ray {of_a_ray:.2}", gpu.backend().name());
+        assert!(of_a_ray <= most, "{what}: {of_a_ray}");
+    }
 }

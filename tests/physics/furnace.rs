@@ -1,7 +1,7 @@
 //! Cases 1 and 2: a closed room whose walls all shine and reflect alike has the same radiance everywhere.
 
 use crate::device::on_both_back_ends;
-use crate::estimate::bake;
+use crate::estimate::{How, bake};
 use crate::stage::{Chart, Stage, room};
 use glam::Vec3;
 use lightoven::baker::{Bounces, LightMap};
@@ -18,7 +18,7 @@ fn furnace(gpu: &Gpu, albedo: f32, bounces: Bounces, inset: f32) -> (LightMap, f
     let mut stage = Stage::new();
     let white = stage.material(albedo, 1.0);
     let walls = room(Vec3::ZERO, Vec3::ONE, |index| Chart::new(index).inset(inset), white);
-    let (map, statistics) = bake(gpu, &stage.with(&walls), 256, bounces, 0);
+    let (map, statistics) = bake(gpu, &stage.with(&walls), How::new(256, bounces), 0);
     println!("{} epochs, {} texels", statistics.epochs, statistics.texels);
     assert_eq!(statistics.invalid_texels, 0);
     (map, PI / (1.0 - f64::from(albedo)))

@@ -1,7 +1,7 @@
 //! Placed meshes: their normals turn with them, whatever the transform.
 
 use crate::device::on_both_back_ends;
-use crate::estimate::{bake, irradiance};
+use crate::estimate::{How, bake, irradiance};
 use crate::stage::{Chart, Facing, Quad, Stage, level_square};
 use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3};
 use lightoven::baker::Bounces;
@@ -33,7 +33,7 @@ fn sun_on_placed(gpu: &Gpu, what: &str, matrix: DMat3, company: Company) {
         let other = level_square(1.0, 0.0, Facing::Up, Chart::new(2), 0);
         stage.place(&[other], DAffine3::from_translation(DVec3::new(-1e3, 0.0, 0.0)));
     }
-    let (map, statistics) = bake(gpu, &stage.build(), 64, Bounces::Auto, 0);
+    let (map, statistics) = bake(gpu, &stage.build(), How::new(64, Bounces::Auto), 0);
     assert_eq!(statistics.invalid_texels, 0);
     let to_sun = -SUN.as_dvec3().normalize();
     // A mirrored object's front stays its front: its normals go by the inverse transposed, whatever the determinant's sign.

@@ -1,7 +1,7 @@
 //! Cases 11, 12 and 13: analytic lights, taken at a texel's centre.
 
 use crate::device::on_both_back_ends;
-use crate::estimate::bake;
+use crate::estimate::{How, bake};
 use crate::stage::{Chart, Facing, Quad, Stage, level_square};
 use glam::{DVec3, Vec3};
 use lightoven::baker::Bounces;
@@ -16,7 +16,7 @@ fn worst(gpu: &Gpu, quad: Quad, light: LightKind, expected: impl Fn(DVec3) -> f6
     let mut stage = Stage::new();
     stage.material(0.0, 0.0);
     stage.light(light);
-    let (map, _) = bake(gpu, &stage.with(&[quad]), 64, Bounces::Auto, 0);
+    let (map, _) = bake(gpu, &stage.with(&[quad]), How::new(64, Bounces::Auto), 0);
     let (mut worst, mut largest) = (0.0_f64, 0.0_f64);
     for (texel, at) in quad.chart.unwrap().texels() {
         let wanted = expected(quad.point(at));
@@ -94,6 +94,6 @@ fn sun_on_a_tilted_plane(gpu: &Gpu) {
     let mut stage = Stage::new();
     stage.material(0.0, 0.0);
     stage.light(LightKind::Directional { direction: SUN });
-    let (map, _) = bake(gpu, &stage.with(&[behind]), 64, Bounces::Auto, 0);
+    let (map, _) = bake(gpu, &stage.with(&[behind]), How::new(64, Bounces::Auto), 0);
     assert!(map.pixels.iter().all(|pixel| pixel[..3] == [0.0; 3]), "the sun lights the back of a plane");
 }

@@ -11,7 +11,10 @@ mod form_factors;
 mod furnace;
 mod instances;
 mod lights;
+mod means;
 mod placing;
+mod radiosity;
+mod shapes;
 mod sky;
 #[path = "../common/stage.rs"]
 mod stage;

@@ -1,7 +1,7 @@
 //! A scene's place and size do not change its light: NUMERICS section 9, cases 12 and 13.
 
 use crate::device::on_both_back_ends;
-use crate::estimate::{bake, mean};
+use crate::estimate::{How, bake, mean};
 use crate::stage::{Chart, Facing, Stage, level_square, room};
 use glam::{DAffine3, DVec3, Vec3};
 use lightoven::baker::{Bounces, LightMap};
@@ -29,7 +29,7 @@ fn open_room(gpu: &Gpu, transform: DAffine3, meshes: Meshes) -> LightMap {
             stage.place(&[table], transform);
         }
     }
-    bake(gpu, &stage.build(), 256, Bounces::Limit(8), 0).0
+    bake(gpu, &stage.build(), How::new(256, Bounces::Limit(8)), 0).0
 }
 
 #[derive(Clone, Copy, Debug)]

@@ -1,7 +1,7 @@
 //! What a surface shows from either side, without a place in the light map, and with a texture.
 
 use crate::device::on_both_back_ends;
-use crate::estimate::{Estimate, bake, mean};
+use crate::estimate::{Estimate, How, bake, mean};
 use crate::stage::{Chart, Facing, Quad, Stage, level_square};
 use lightoven::baker::Bounces;
 use lightoven::gpu::Gpu;
@@ -33,12 +33,12 @@ fn stage(facing: Facing) -> (Stage, [Quad; 2]) {
 /// The receiver's irradiance over pi.
 fn received(gpu: &Gpu, stage: Stage, quads: &[Quad]) -> Estimate {
     let chart = Chart::new(RECEIVER);
-    Estimate::of(gpu, &stage.with(quads), 4096, Bounces::Auto, |map| mean(map, chart) / PI)
+    Estimate::direct(gpu, &stage.with(quads), How::new(32_768, Bounces::Auto), chart).times(PI.recip())
 }
 
 fn single_sided_from_behind(gpu: &Gpu) {
     let (stage, quads) = stage(Facing::Up);
-    let (map, _) = bake(gpu, &stage.with(&quads), 256, Bounces::Auto, 0);
+    let (map, _) = bake(gpu, &stage.with(&quads), How::new(256, Bounces::Auto), 0);
     assert_eq!(mean(&map, Chart::new(RECEIVER)), 0.0);
 }
 

@@ -1,0 +1,45 @@
+//! Case 16: two unit squares of a texel each reflect each other's light.
+
+use crate::device::on_both_back_ends;
+use crate::estimate::{Estimate, How, SAMPLINGS, bake, mean};
+use crate::stage::{Chart, Facing, Quad, Stage, level_square};
+use glam::Vec3;
+use lightoven::baker::Bounces;
+use lightoven::gpu::Gpu;
+use std::f64::consts::PI;
+
+on_both_back_ends!(two_patches);
+
+const ALBEDO: f32 = 0.5;
+/// Pairs in one scene, so far apart that they do not know of each other, in rows of four: each is a randomisation.
+const PAIRS: u32 = 16;
+const APART: f32 = 30.0;
+
+/// A patch of a pair; `row`: of the light map.
+fn patch(pair: u32, height: f32, facing: Facing, row: u32, material: usize) -> Quad {
+    let chart = Chart::at([40 + 4 * pair, row], 1).inset(0.01);
+    let quad = level_square(1.0, height, facing, chart, material);
+    let place = Vec3::new((pair % 4) as f32, (pair / 4) as f32, 0.0) * APART;
+    Quad { corner: quad.corner + place, ..quad }
+}
+
+/// The lower patches shine. Radiosity is in parts of what they emit, pi.
+fn two_patches(gpu: &Gpu) {
+    let mut stage = Stage::new();
+    let (lamp, grey) = (stage.material(ALBEDO, 1.0), stage.material(ALBEDO, 0.0));
+    let lower: Vec<Quad> = (0..PAIRS).map(|pair| patch(pair, 0.0, Facing::Up, 2, lamp)).collect();
+    let upper: Vec<Quad> = (0..PAIRS).map(|pair| patch(pair, 1.0, Facing::Down, 6, grey)).collect();
+    let scene = stage.with(&[&lower[..], &upper[..]].concat());
+    for sampling in SAMPLINGS {
+        let (map, _) = bake(gpu, &scene, How::new(1 << 15, Bounces::Auto).by(sampling), 0);
+        let radiosity = |quad: &Quad, emitted: f64| emitted + f64::from(ALBEDO) * mean(&map, quad.chart.unwrap()) / PI;
+        let of = |quads: &[Quad], emitted| {
+            Estimate::over(&quads.iter().map(|quad| radiosity(quad, emitted)).collect::<Vec<_>>())
+        };
+        of(&lower, 1.0).assert_is(&format!("radiosity of a lamp, {sampling:?}"), gpu, 1.010_083, 1e-3, 2e-3);
+        // A texel across a square's two triangles takes its light on one of them; a sixteenth of its rays misses that one
+        // four times and starts near the middle, where more comes: 1.1 % too much.
+        let what = format!("radiosity of its reflector, {sampling:?}");
+        of(&upper, 0.0).assert_is(&what, gpu, 0.100_920, 1.2e-3, 2e-3);
+    }
+}
