@@ -177,8 +177,8 @@ impl Chooser {
         self.shares
     }
 
-    /// By what shines alone: at first, and where that has changed.
-    pub(crate) fn begin(&mut self, evidence: &Evidence) {
+    /// By what shines alone: at first, and where that has changed. `sky_shines`: a black map is not aimed at.
+    pub(crate) fn begin(&mut self, evidence: &Evidence, sky_shines: bool) {
         let any = evidence.power > 0.0;
         let cosine = match self.sampling {
             Sampling::Cosine => 1.0,
@@ -188,7 +188,7 @@ impl Chooser {
         };
         let aims_at_source = any && (self.sampling != Sampling::Auto || evidence.evenness() < EVEN);
         let aimed = 1.0 - cosine;
-        self.shares = match (aims_at_source, self.sky) {
+        self.shares = match (aims_at_source, self.sky && sky_shines) {
             (true, true) => Shares::new(cosine, 0.5 * aimed, 0.5 * aimed),
             (true, false) => Shares::new(cosine, aimed, 0.0),
             (false, true) => Shares::new(cosine, 0.0, aimed),
@@ -247,18 +247,18 @@ mod tests {
         let even = Evidence { power: 30.0, squared: 90.0, area: 10.0, ..Evidence::default() };
         assert!((even.evenness() - 1.0).abs() < 1e-12 && (LAMP.evenness() - 0.01).abs() < 1e-12);
         let mut chooser = Chooser::new(Sampling::Auto, false);
-        chooser.begin(&even);
+        chooser.begin(&even, true);
         assert_eq!(chooser.shares(), Shares::COSINE);
-        chooser.begin(&LAMP);
+        chooser.begin(&LAMP, true);
         assert_eq!(chooser.shares(), Shares::new(0.5, 0.5, 0.0));
-        chooser.begin(&Evidence::default());
+        chooser.begin(&Evidence::default(), true);
         assert_eq!(chooser.shares(), Shares::COSINE, "nothing shines");
     }
 
     #[test]
     fn the_least_variance_is_chosen_where_it_pays() {
         let mut chooser = Chooser::new(Sampling::Auto, false);
-        chooser.begin(&LAMP);
+        chooser.begin(&LAMP, true);
         chooser.learn(&LAMP);
         assert_eq!(chooser.shares(), Shares::new(0.25, 0.75, 0.0));
         chooser.learn(&Evidence { surfaces: [f64::NAN; 3], ..LAMP });
@@ -272,10 +272,12 @@ mod tests {
     #[test]
     fn the_sky_is_aimed_at_where_it_matters() {
         let mut chooser = Chooser::new(Sampling::Auto, true);
-        chooser.begin(&LAMP);
+        chooser.begin(&LAMP, true);
         assert_eq!(chooser.shares(), Shares::new(0.5, 0.25, 0.25));
         chooser.learn(&Evidence { surfaces: [-0.9; 3], sky: [50.0, 2.0, 3.0], ..LAMP });
         assert_eq!(chooser.shares(), Shares::new(0.5, 0.0, 0.5));
+        chooser.begin(&LAMP, false);
+        assert_eq!(chooser.shares(), Shares::new(0.5, 0.5, 0.0), "the map is black");
     }
 
     #[test]
@@ -286,7 +288,7 @@ mod tests {
             (Sampling::Mixture { cosine: 0.25 }, Shares::new(0.25, 0.75, 0.0)),
         ] {
             let mut chooser = Chooser::new(sampling, false);
-            chooser.begin(&LAMP);
+            chooser.begin(&LAMP, true);
             chooser.learn(&LAMP);
             assert_eq!(chooser.shares(), shares);
         }

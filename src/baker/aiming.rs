@@ -79,7 +79,7 @@ impl Aiming {
         statistics.sampling.evenness = Some(sums.evidence.evenness() as f32);
         statistics.sampling.pyramids += 1;
         match occasion {
-            Occasion::NewSource => self.chooser.begin(&sums.evidence),
+            Occasion::NewSource => self.chooser.begin(&sums.evidence, core.scene.sky_shines),
             Occasion::Epoch => {
                 statistics.sampling.saw(self.chooser.shares().aimed_rays(64), sums.seen);
                 self.chooser.learn(&sums.evidence);

@@ -273,7 +273,10 @@ impl Baker {
     /// `InvalidSettings`: a map that does not fit. `InvalidScene`: a radiance that is negative or not finite.
     pub fn set_sky(&mut self, sky: Sky) -> Result<()> {
         let (frames, core) = self.frames()?;
-        frames.world.set_sky(&mut core.push, sky)
+        let shines = sky.shines();
+        frames.world.set_sky(&mut core.push, sky)?;
+        core.scene.sky_shines = shines;
+        Ok(())
     }
 
     /// The time of the next frame, with [`Clock::Engine`]; from any beginning. Time that runs backwards stands still.

@@ -30,6 +30,7 @@ pub(crate) struct DeviceScene {
     pub(crate) lights: Buffer,
     pub(crate) light_count: u32,
     pub(crate) sky: Image,
+    pub(crate) sky_shines: bool,
     sampler: Sampler,
 }
 
@@ -75,6 +76,7 @@ impl DeviceScene {
             light_count: lights.len() as u32,
             lights: upload(commands, "lights", storage, &lights)?,
             sky: upload_sky(commands, scene.sky())?,
+            sky_shines: scene.sky().shines(),
             sampler: Sampler::new(gpu, [vk::SamplerAddressMode::CLAMP_TO_EDGE; 2])?,
         })
     }

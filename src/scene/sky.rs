@@ -31,6 +31,15 @@ pub struct SkyMap {
 }
 
 impl Sky {
+    /// Whether any light comes from it.
+    pub(crate) fn shines(&self) -> bool {
+        match self {
+            Self::Black => false,
+            Self::Constant(radiance) => *radiance != Vec3::ZERO,
+            Self::Map(map) => map.pixels.iter().any(|pixel| *pixel != Vec3::ZERO),
+        }
+    }
+
     pub(crate) fn check(&self) -> Result<()> {
         match self {
             Self::Black => Ok(()),

@@ -138,7 +138,7 @@ impl Aiming {
                 self.chooser.learn(&sums.evidence);
                 self.rest = if self.chooser.shares().any_aimed() { 0 } else { REST };
             } else if self.rest == 0 {
-                self.chooser.begin(&sums.evidence);
+                self.chooser.begin(&sums.evidence, core.scene.sky_shines);
             }
         }
         self.rays = self.chooser.shares().aimed_rays(rays);
