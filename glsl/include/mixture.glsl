@@ -69,7 +69,8 @@ bool aim_ray(Receiver r, uint index, uint sample_index, out Ray ray, out Aim aim
         ray.direction = r.frame * cosine_direction(stratified(index, cosine_rays, u.xy));
         ray.t_max = 1e30;
     } else {
-        vec2 v = random4(r.key, sample_index, WALK_DIMENSION - 1u).xy;
+        vec3 v = random4(r.key, sample_index, WALK_DIMENSION - 1u).xyz;
+        v.x += v.z / 16777216.0;
         if (aim.technique == BY_SOURCE) {
             float choice = (float(index - cosine_rays) + v.x) / float(push.source_rays);
             aimed = aim_at_source(choice, vec3(u.xy, v.y), r.key, sample_index, ray, aim.target);

@@ -49,14 +49,25 @@ float pyramid_leaf(texture2D pyramid, uvec2 leaf) {
     return siblings[(leaf.x & 1u) | (leaf.y & 1u) << 1u];
 }
 
-// The child in whose part of the sum `x` lies, and where that part begins. Never one that is 0: rounding may carry `x` to
-// the end of the last part.
-uint child_at(vec4 children, float x, out float start) {
-    vec4 starts = vec4(0.0, children.x, children.x + children.y, (children.x + children.y) + children.z);
-    uint child = uint(x >= starts.y) + uint(x >= starts.z) + uint(x >= starts.w);
-    while (child > 0u && children[child] == 0.0) --child;
-    start = starts[child];
-    return child;
+void put_in_order(inout float a, inout float b, inout uint a_child, inout uint b_child) {
+    if (a <= b) return;
+    float larger = a;
+    uint larger_child = a_child;
+    a = b;
+    b = larger;
+    a_child = b_child;
+    b_child = larger_child;
+}
+
+// Children by their value, the least first: floats are dense near 0, and a child of 2^-24 of the whole has its share there
+// and not near 1, where steps are as large.
+void sort(inout vec4 values, out uvec4 children) {
+    children = uvec4(0u, 1u, 2u, 3u);
+    put_in_order(values.x, values.y, children.x, children.y);
+    put_in_order(values.z, values.w, children.z, children.w);
+    put_in_order(values.x, values.z, children.x, children.z);
+    put_in_order(values.y, values.w, children.y, children.w);
+    put_in_order(values.y, values.z, children.y, children.z);
 }
 
 // Chooses a leaf with a probability in proportion to its value; false: all are 0. `u` in [0,1) decides at every level: what
@@ -68,15 +79,19 @@ bool choose_leaf(texture2D pyramid, uvec2 leaves, float u, uint texel, uint samp
     leaf = uvec2(0u);
     for (uint down = 0u; down < levels; ++down) {
         if (down % 4u == 0u) fresh = random4(texel, sample_index, WALK_DIMENSION + down / 4u);
-        vec4 children = texelFetch(pyramid, ivec2(level_origin(base, levels - 1u - down) + leaf), 0);
-        float sum = sum_of(children);
+        vec4 values = texelFetch(pyramid, ivec2(level_origin(base, levels - 1u - down) + leaf), 0);
+        uvec4 children;
+        sort(values, children);
+        vec4 starts = vec4(0.0, values.x, values.x + values.y, values.x + values.y + values.z);
+        float sum = starts.w + values.w;
         if (!(sum > 0.0)) return false;
-        float start;
-        uint child = child_at(children, u * sum, start);
-        float inverse = 1.0 / children[child];
-        u = (u * sum - start) * inverse + fresh[down % 4u] * (sum * inverse / 16777216.0);
+        // Children that are 0 come first and have no part.
+        float x = u * sum;
+        uint place = uint(x >= starts.y) + uint(x >= starts.z) + uint(x >= starts.w);
+        float inverse = 1.0 / values[place];
+        u = (x - starts[place]) * inverse + fresh[down % 4u] * (sum * inverse / 16777216.0);
         u = clamp(u, 0.0, 0.99999994);
-        leaf = leaf * 2u + uvec2(child & 1u, child >> 1u);
+        leaf = leaf * 2u + uvec2(children[place] & 1u, children[place] >> 1u);
     }
     return true;
 }
