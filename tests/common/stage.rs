@@ -39,6 +39,11 @@ impl Chart {
         Self { first, size, side: SIDE, inset: 0.0 }
     }
 
+    /// In a light map of another side.
+    pub(crate) fn on(self, side: u32) -> Self {
+        Self { side, ..self }
+    }
+
     /// Ends `inset` texels earlier, so that no texel is merely touched.
     pub(crate) fn inset(self, inset: f32) -> Self {
         Self { inset, ..self }

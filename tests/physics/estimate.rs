@@ -35,6 +35,10 @@ impl How {
     pub(crate) fn by(self, sampling: Sampling) -> Self {
         Self { sampling, ..self }
     }
+
+    pub(crate) fn on(self, side: u32) -> Self {
+        Self { side, ..self }
+    }
 }
 
 pub(crate) fn bake(gpu: &Gpu, scene: &Scene, how: How, seed: u64) -> (LightMap, Statistics) {

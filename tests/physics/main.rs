@@ -5,8 +5,10 @@
 mod device;
 
 mod area;
+mod choice;
 mod energy;
 mod estimate;
+mod extremes;
 mod form_factors;
 mod furnace;
 mod instances;
@@ -15,6 +17,7 @@ mod means;
 mod placing;
 mod radiosity;
 mod shapes;
+mod sizes;
 mod sky;
 #[path = "../common/stage.rs"]
 mod stage;

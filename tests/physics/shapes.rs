@@ -129,7 +129,7 @@ fn discs(gpu: &Gpu) {
     let quads: Vec<Quad> = charts.iter().enumerate().map(on_ring).collect();
     let scene = stage.with(&quads);
     for sampling in SAMPLINGS {
-        let how = How::new(2048, Bounces::Auto).by(sampling);
+        let how = How::new(1024, Bounces::Auto).by(sampling);
         let estimate = Estimate::mean_of(&Estimate::each_direct(gpu, &scene, how, &charts)).times(PI.recip());
         estimate.assert_is(&format!("coaxial discs, {sampling:?}"), gpu, expected, 1e-6, 4e-3);
     }

@@ -1,0 +1,75 @@
+//! How rays are sent where the baker chooses, and that what is asked for is done.
+
+use crate::device::on_both_back_ends;
+use crate::estimate::{How, bake};
+use crate::stage::{Chart, Facing, Quad, Stage, level_square, room};
+use glam::Vec3;
+use lightoven::baker::{Bounces, Sampling, Statistics};
+use lightoven::gpu::Gpu;
+use lightoven::scene::Scene;
+
+on_both_back_ends!(furnace, evenly_lit_room, tiny_lamp, as_asked);
+
+/// A room of this albedo whose walls, or only a tiny square below its ceiling, shine.
+fn scene(walls: f32, lamp: f32) -> Scene {
+    let mut stage = Stage::new();
+    let (wall, lamp) = (stage.material(0.5, walls), stage.material(0.5, lamp));
+    let walls = room(Vec3::ZERO, Vec3::ONE, Chart::new, wall);
+    let square = level_square(0.02, 0.9, Facing::Down, Chart::new(6), lamp);
+    let square = Quad { corner: square.corner + Vec3::new(0.4, 0.6, 0.0), ..square };
+    stage.with(&[&walls[..], &[square]].concat())
+}
+
+fn statistics(gpu: &Gpu, scene: &Scene, sampling: Sampling) -> Statistics {
+    let statistics = bake(gpu, scene, How::new(512, Bounces::Auto).by(sampling), 0).1;
+    println!(
+        "{sampling:?}, {}: {:?}, error {:?}",
+        gpu.backend().name(),
+        statistics.sampling,
+        statistics.estimated_error
+    );
+    statistics
+}
+
+fn furnace(gpu: &Gpu) {
+    let sampling = statistics(gpu, &scene(1.0, 1.0), Sampling::Auto).sampling;
+    assert_eq!((sampling.source_rays, sampling.cosine_share), (0, 1.0));
+    assert!(sampling.evenness.unwrap() > 0.99);
+}
+
+/// One wall shines as the others do not: that is uneven, but large, and once the bounces are known nothing is aimed.
+fn evenly_lit_room(gpu: &Gpu) {
+    let mut stage = Stage::new();
+    let (grey, lamp) = (stage.material(0.7, 0.0), stage.material(0.7, 1.0));
+    let mut walls = room(Vec3::ZERO, Vec3::ONE, Chart::new, grey);
+    walls[1].material = lamp;
+    let statistics = statistics(gpu, &stage.with(&walls), Sampling::Auto);
+    assert_eq!(statistics.sampling.cosine_share, 1.0);
+    // Those of bounce epochs, if any: 16 a texel and epoch; and the first kept quantum.
+    assert!(statistics.sampling.source_rays < statistics.rays / 4);
+}
+
+/// The same light costs fewer rays: the error falls with their root.
+fn tiny_lamp(gpu: &Gpu) {
+    let scene = scene(0.0, 1000.0);
+    let [auto, cosine] = [Sampling::Auto, Sampling::Cosine].map(|sampling| statistics(gpu, &scene, sampling));
+    assert!(auto.sampling.source_share >= 0.5 && auto.sampling.source_rays > auto.rays / 3);
+    let gain = cosine.estimated_error.unwrap() / auto.estimated_error.unwrap();
+    println!("a tiny lamp, {}: error {gain:.1} times as large by the cosine", gpu.backend().name());
+    assert!(gain >= 3.0);
+}
+
+fn as_asked(gpu: &Gpu) {
+    let scene = scene(0.0, 1000.0);
+    for (sampling, cosine_share) in [
+        (Sampling::Cosine, 1.0),
+        (Sampling::Importance, 0.0),
+        (Sampling::Mixture { cosine: 0.5 }, 0.5),
+        // Of 64 rays, and not fewer than were asked for, which bounds what a ray weighs.
+        (Sampling::Mixture { cosine: 0.1 }, 7.0 / 64.0),
+    ] {
+        let shares = statistics(gpu, &scene, sampling).sampling;
+        assert_eq!([shares.cosine_share, shares.source_share], [cosine_share, 1.0 - cosine_share]);
+        assert_eq!((shares.sky_share, shares.sky_rays), (0.0, 0));
+    }
+}
