@@ -5,14 +5,22 @@
 mod device;
 
 use device::on_both_back_ends;
-use lightoven::baker::{BakeSettings, Baker, LightMap, Slice, Stop};
+use lightoven::baker::{BakeSettings, Baker, LightMap, Sampling, Slice, Stop};
 use lightoven::gpu::Gpu;
 use lightoven::io::gltf::{self, ReadSettings};
-use lightoven::scene::{Resolution, Scene};
+use lightoven::scene::{Resolution, Scene, Sky, SkyMap};
 use std::ops::ControlFlow;
 use std::path::Path;
 
-on_both_back_ends!(again, cut_differently, another_seed, continued, read_twice, ended_at_once);
+on_both_back_ends!(
+    again,
+    cut_differently,
+    aimed_again_and_cut_differently,
+    another_seed,
+    continued,
+    read_twice,
+    ended_at_once,
+);
 
 /// Instances, textures, lights, a sky of its own.
 fn courtyard() -> Scene {
@@ -20,10 +28,25 @@ fn courtyard() -> Scene {
     gltf::read(&path, &ReadSettings::default()).unwrap()
 }
 
+/// As it comes, and some rays always aimed, at texels and at the sky.
+const SAMPLINGS: [Sampling; 2] = [Sampling::Auto, Sampling::Mixture { cosine: 0.25 }];
+
 /// Bakes up to each of these numbers of samples in turn; the light map, and how many slices it took.
 fn bake(gpu: &Gpu, samples: &[u32], slice: Slice, seed: u64) -> (LightMap, usize) {
-    let settings = BakeSettings { resolution: Resolution::Texels(64), slice, seed, ..BakeSettings::default() };
-    let mut baker = Baker::new(gpu, &courtyard(), &settings).unwrap();
+    bake_by(gpu, &courtyard(), Sampling::Auto, samples, slice, seed)
+}
+
+fn bake_by(
+    gpu: &Gpu,
+    scene: &Scene,
+    sampling: Sampling,
+    samples: &[u32],
+    slice: Slice,
+    seed: u64,
+) -> (LightMap, usize) {
+    let settings =
+        BakeSettings { resolution: Resolution::Texels(64), sampling, slice, seed, ..BakeSettings::default() };
+    let mut baker = Baker::new(gpu, scene, &settings).unwrap();
     let mut slices = 0;
     for samples in samples {
         let stop = Stop { samples: Some(*samples), ..Stop::default() };
@@ -33,6 +56,8 @@ fn bake(gpu: &Gpu, samples: &[u32], slice: Slice, seed: u64) -> (LightMap, usize
         };
         baker.bake(&stop, &mut count).unwrap();
     }
+    // Whatever the baker chooses: the first bounces' rays are aimed in either scene.
+    assert!(baker.statistics().sampling.source_rays > 0, "no ray is aimed");
     (baker.read_back().unwrap(), slices)
 }
 
@@ -53,6 +78,28 @@ fn cut_differently(gpu: &Gpu) {
         let (cut, slices) = bake(gpu, &[256], Slice::Texels(texels), 7);
         println!("{texels} texels a slice, {}: {slices} slices", gpu.backend().name());
         assert!(bits(&cut) == bits(&timed), "{texels} texels a slice give other bits than slices by time");
+    }
+}
+
+/// A scene under a sky map, where some rays are aimed at pixels; and one with a tiny lamp.
+fn aimed_scenes() -> [Scene; 2] {
+    let pixel = |i: u32| glam::Vec3::splat(if i == 11 { 50.0 } else { 0.1 });
+    let mut courtyard = courtyard();
+    courtyard.set_sky(Sky::Map(SkyMap { width: 7, height: 5, pixels: (0..35).map(pixel).collect() })).unwrap();
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/tiny_lamp.gltf");
+    [courtyard, gltf::read(&path, &ReadSettings::default()).unwrap()]
+}
+
+/// Aimed rays are numbered by texel and sample as others are, and so is what decides how many are aimed.
+fn aimed_again_and_cut_differently(gpu: &Gpu) {
+    for (scene, sampling) in aimed_scenes().iter().flat_map(|scene| SAMPLINGS.map(|sampling| (scene, sampling))) {
+        let by_slice = |slice| bits(&bake_by(gpu, scene, sampling, &[192], slice, 5).0);
+        let first = by_slice(Slice::default());
+        for slice in [Slice::default(), Slice::Texels(u32::MAX), Slice::Texels(256)] {
+            assert!(by_slice(slice) == first, "{}, {sampling:?}: {slice:?} gives other bits", scene.name());
+        }
+        let in_steps = bits(&bake_by(gpu, scene, sampling, &[64, 192], Slice::default(), 5).0);
+        assert!(in_steps == first, "{}, {sampling:?}: a bake that went on gives other bits", scene.name());
     }
 }
 
