@@ -79,9 +79,11 @@ fn wall() -> Quad {
     Quad { corner, u: Vec3::Y, v: Vec3::Z, chart: Some(Chart::new(1)), material: 0 }
 }
 
+/// Along an edge that they share the variance of rays that are all aimed has no bound: nothing is to be told by them.
 fn perpendicular_squares(gpu: &Gpu) {
-    let expected = Expected { factor: 0.200_043_8, tolerance: 1e-3, resolution: 2e-3, aimed_resolution: 2e-2 };
-    assert_form_factor(gpu, "perpendicular unit squares", [floor(), wall()], 1024, &SAMPLINGS, expected);
+    let expected = Expected { factor: 0.200_043_8, tolerance: 1e-3, resolution: 2e-3, aimed_resolution: 2e-3 };
+    let bounded = [Sampling::Cosine, MIXTURES[0], MIXTURES[1]];
+    assert_form_factor(gpu, "perpendicular unit squares", [floor(), wall()], 1024, &bounded, expected);
 }
 
 /// A receiver this small is a point: its own extent changes the answer by less than a millionth.
