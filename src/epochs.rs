@@ -119,6 +119,19 @@ impl Epochs {
         slowest.min(self.max_albedo)
     }
 
+    /// Whether the change has grown for three bounces: more light comes back than was there.
+    pub(crate) fn grows(&self) -> bool {
+        let changes = self.radiance.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect::<Vec<_>>();
+        changes.windows(2).rev().take_while(|pair| pair[1] > pair[0] * (1.0 + 1e-6)).count() >= GROWING
+    }
+
+    /// From here on rays are other ones: how fast the change shrinks is to be found anew.
+    pub(crate) fn start_over(&mut self) {
+        let last = self.radiance.len() - 1;
+        self.radiance.drain(..last);
+        self.missing = f64::INFINITY;
+    }
+
     /// Bounces in the source map so far, those of kept epochs not counted.
     pub(crate) fn bounces_done(&self) -> u32 {
         self.radiance.len() as u32 - 1

@@ -2,6 +2,7 @@
 //! many are aimed.
 
 use super::{Core, Sampling};
+use crate::epochs::Epoch;
 use crate::error::Result;
 use crate::features::Features;
 use crate::gpu::layout::Push;
@@ -14,6 +15,8 @@ pub(super) struct Aiming {
     pass: Option<Importance>,
     chooser: Chooser,
     sky_made: bool,
+    /// Aimed rays made light grow from bounce to bounce.
+    bounces_by_cosine: bool,
     /// About that of the irradiance: what shines, spread evenly.
     mean_luminance: f32,
 }
@@ -40,12 +43,20 @@ impl Aiming {
                 Ok(())
             })?;
         }
-        Ok(Self { pass, chooser, sky_made: false, mean_luminance: 0.0 })
+        Ok(Self { pass, chooser, sky_made: false, bounces_by_cosine: false, mean_luminance: 0.0 })
+    }
+
+    /// From now on no rays of bounce epochs are aimed. False: none were.
+    pub(super) fn leave_bounces_to_cosine(&mut self) -> bool {
+        let aimed = !self.bounces_by_cosine && self.chooser.shares().any_aimed();
+        self.bounces_by_cosine = true;
+        aimed
     }
 
     /// A quantum of `rays`, some of them aimed.
-    pub(super) fn push(&self, push: Push, rays: u32) -> Push {
-        let [source_rays, sky_rays] = self.chooser.shares().aimed_rays(rays);
+    pub(super) fn push(&self, push: Push, rays: u32, epoch: Epoch) -> Push {
+        let by_cosine = self.bounces_by_cosine && epoch == Epoch::Bounce;
+        let [source_rays, sky_rays] = if by_cosine { [0, 0] } else { self.chooser.shares().aimed_rays(rays) };
         Push { rays, source_rays, sky_rays, mean_luminance: self.mean_luminance, ..push }
     }
 

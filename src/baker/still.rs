@@ -188,7 +188,7 @@ impl Still {
     fn gather(&mut self, core: &mut Core, state: &State, rays: u32, unit: Unit) -> Result<()> {
         let first_sample = if state.epoch == Epoch::Bounce { BOUNCE_SAMPLES } else { 0 };
         let push = Push { first_sample, evidence_quantum: state.evidence_quantum, ..core.push };
-        let push = self.aiming.push(push, rays);
+        let push = self.aiming.push(push, rays, state.epoch);
         let quanta = u64::from(unit.texels.end - unit.texels.start) * u64::from(unit.quanta.end - unit.quanta.start);
         core.statistics.sampling.count(rays, [push.source_rays, push.sky_rays], quanta);
         let rays = quanta * u64::from(rays);
@@ -208,6 +208,11 @@ impl Still {
         if bounced {
             let radiance = self.update_source(core)?.mean_radiance;
             state.epochs.bounced(radiance)?;
+            // Beside a surface the weights of a texel's few aimed rays may add up to more than the surface gives back; those
+            // of rays by the cosine never do.
+            if state.epochs.grows() && self.aiming.leave_bounces_to_cosine() {
+                state.epochs.start_over();
+            }
         } else if state.epochs.updates_source() {
             self.update_source(core)?;
         }

@@ -8,7 +8,7 @@ use lightoven::baker::{Bounces, Sampling, Statistics};
 use lightoven::gpu::Gpu;
 use lightoven::scene::Scene;
 
-on_both_back_ends!(furnace, evenly_lit_room, tiny_lamp, as_asked);
+on_both_back_ends!(furnace, evenly_lit_room, tiny_lamp, as_asked, bounces_do_not_grow);
 
 /// A room of this albedo whose walls, or only a tiny square below its ceiling, shine.
 fn scene(walls: f32, lamp: f32) -> Scene {
@@ -71,5 +71,22 @@ fn as_asked(gpu: &Gpu) {
         let shares = statistics(gpu, &scene, sampling).sampling;
         assert_eq!([shares.cosine_share, shares.source_share], [cosine_share, 1.0 - cosine_share]);
         assert_eq!((shares.sky_share, shares.sky_rays), (0.0, 0));
+    }
+}
+
+/// A lamp close under a ceiling: aimed rays of a bounce epoch, few and the same again and again, would give back more light
+/// than they got.
+fn bounces_do_not_grow(gpu: &Gpu) {
+    let mut stage = Stage::new();
+    let (wall, lamp) = (stage.material(0.9, 0.0), stage.material(0.0, 100.0));
+    let corner = Vec3::new(0.5, 0.5, 0.45);
+    let square = Quad { corner, u: Vec3::Y * 0.1, v: Vec3::X * 0.1, chart: Some(Chart::new(15)), material: lamp };
+    let mut quads = room(Vec3::ZERO, Vec3::new(1.0, 2.0, 0.5), Chart::new, wall).to_vec();
+    quads.push(square);
+    let scene = stage.with(&quads);
+    for seed in 0..2 {
+        let (_, statistics) = bake(gpu, &scene, How::new(64, Bounces::Auto).by(Sampling::Importance), seed);
+        println!("{} epochs, {} of the light is missing", statistics.epochs, statistics.bounces_missing);
+        assert!(statistics.bounces_missing < 1e-3 && statistics.sampling.source_rays > 0);
     }
 }
