@@ -128,7 +128,7 @@ fn adherence(device: &mut Device, budget_s: f64, needs: Needs) -> (f64, f64) {
 /// Tiles that fill a frame even at the most quanta.
 fn can_fill(device: &Device, budget_s: f64) -> bool {
     let work = Work { stage: Stage::Gather, items: 0..1, quanta: 64, ends_stage: false };
-    let tile_s = device.item_s(&work, 0).min(0.7 * 4e-3_f64.min(budget_s / 2.0));
+    let tile_s = device.item_s(&work, 0).min(0.7 * 4e-3_f64.min((budget_s + 1e-9) / 2.0));
     tile_s * f64::from(device.extent.tiles()) > 1.1 * budget_s
 }
 
@@ -372,7 +372,7 @@ proptest! {
             device.slowdown = slowdown;
             let works = scheduler.clone().plan(Duration::from_secs_f64(budget_s), needs, 0.0).to_vec();
             for work in works.iter().filter(|work| work.items.len() > 1) {
-                prop_assert!(scheduler.predicted(work) <= 1.000_001 * 4e-3_f64.min(budget_s / 2.0));
+                prop_assert!(scheduler.predicted(work) <= 1.000_001 * 4e-3_f64.min((budget_s + 1e-9) / 2.0));
             }
             checker.plan(&works, needs)?;
             prop_assert_eq!(device.frame(&mut scheduler, budget_s, needs).works, works);
