@@ -18,27 +18,47 @@ layout(set = 0, binding = 12, rgba32f) uniform image2D mean_odd;
 layout(set = 0, binding = 29, rgba32f) writeonly uniform image2D evidence_image;
 layout(set = 0, binding = 30, rgba32f) writeonly uniform image2D sky_evidence_image;
 
+// What rays that were aimed at a cluster from a group of texels have found: as src/pass/clusters.rs has it.
+layout(set = 0, binding = 39, std430) buffer Sightings { uint sightings[]; };
+
+const uint TRIED = 1u;
+const uint SEEN = 1u << 16u;
+
 // How far along a line of sight any hit blocks it, of its whole length.
 const float SIGHT = 0.998;
+
+// What a ray adds to a quantum's irradiance. `tells`: whether it says what it sees of the cluster that it was aimed at.
+vec3 shoot(Receiver r, uint index, uint sample_index, bool tells, inout Walk walk, inout Evidence evidence) {
+    Ray ray;
+    Aim aim;
+    bool traced = aim_ray(r, index, sample_index, walk, ray, aim);
+    // One under the horizon has seen nothing either.
+    tells = tells && aim.technique == BY_SOURCE;
+    uint sighting = r.view.row + walk.cluster;
+    if (tells) atomicAdd(sightings[sighting], TRIED);
+    if (!traced) return vec3(0.0);
+    // Four of five lines of sight are blocked, which any hit tells; what they find is looked for at their end.
+    if (IMPORTANCE && aim.technique == BY_SOURCE) {
+        float t_max = ray.t_max;
+        ray.t_max *= SIGHT;
+        if (trace_occluded(ray)) return vec3(0.0);
+        ray.t_min = ray.t_max;
+        ray.t_max = t_max;
+    }
+    float seen = evidence.seen;
+    vec3 irradiance = weigh(r, trace_closest(ray), ray.direction, aim, evidence);
+    if (tells && evidence.seen > seen) atomicAdd(sightings[sighting], SEEN);
+    return irradiance;
+}
 
 // Mean irradiance of a quantum.
 vec3 gather(Receiver r, uint quantum, inout Evidence evidence) {
     uint first = push.first_sample + quantum * push.rays;
+    bool tells = VISIBILITY && quantum == push.evidence_quantum
+                 && (r.key ^ r.key >> 16u) % max(push.step_texels, 1u) == 0u;
+    Walk walk = start_walk(r.view);
     vec3 sum = vec3(0.0);
-    for (uint index = 0u; index < push.rays; ++index) {
-        Ray ray;
-        Aim aim;
-        if (!aim_ray(r, index, first + index, ray, aim)) continue;
-        // Four of five lines of sight are blocked, which any hit tells; what they find is looked for at their end.
-        if (IMPORTANCE && aim.technique == BY_SOURCE) {
-            float t_max = ray.t_max;
-            ray.t_max *= SIGHT;
-            if (trace_occluded(ray)) continue;
-            ray.t_min = ray.t_max;
-            ray.t_max = t_max;
-        }
-        sum += weigh(r, trace_closest(ray), ray.direction, aim, evidence);
-    }
+    for (uint index = 0u; index < push.rays; ++index) sum += shoot(r, index, first + index, tells, walk, evidence);
     return sum;
 }
 
@@ -112,7 +132,7 @@ void main() {
     r.frame = frame_of(r.surface.normal);
     r.key = texel.x | texel.y << 16u;
     bool mixed = IMPORTANCE && push.source_rays + push.sky_rays > 0u;
-    r.source_total = mixed ? pyramid_total(importance_map, push.map_size) : 0.0;
+    r.view = view_of(r.surface, texel, mixed);
     r.sky_total = mixed && SKY_MAP ? pyramid_total(sky_importance_map, uvec2(textureSize(sky_map, 0))) : 0.0;
     Evidence evidence = NOTHING;
     vec3 irradiance = DYNAMIC ? gather_average(r, ivec2(texel), evidence) : gather_halves(r, ivec2(texel), evidence);

@@ -17,7 +17,7 @@ layout(set = 0, binding = 18, rgba32f) readonly uniform image2D emission_image;
 layout(set = 0, binding = 28, rgba32f) coherent uniform image2D pyramid_image;
 layout(set = 0, binding = 29, rgba32f) readonly uniform image2D evidence_image;
 layout(set = 0, binding = 30, rgba32f) readonly uniform image2D sky_evidence_image;
-// Luminance that rays are aimed by: leaves over areas.
+// What rays are aimed by: see aimed_luminance.
 layout(set = 0, binding = 33, r32f) writeonly uniform image2D aimed_luminance_image;
 // A work group's sums, of level 0: (leaves, luminance squared times area, area, texels whose source is no light), the
 // evidence, and that of the sky.
@@ -44,10 +44,10 @@ float sky_leaf(uvec2 pixel) {
 float emitted(ivec2 texel, Shared s, float area) {
     vec3 colour = imageLoad(emission_image, texel).rgb;
     float sum = 0.0;
-    for (uint i = 0u; i <= s.others; ++i) {
+    for (uint i = 0u; i < s.count; ++i) {
         Piece piece = piece_at(s, i);
         if (!is_present(piece)) continue;
-        Patch p = patch_of(uvec2(texel), piece.instance, piece.primitive);
+        Patch p = patch_of(uvec2(texel), piece);
         sum += luminance_of(materials[primitives[piece.primitive].material].emission * colour) * length(area_of(p));
     }
     return area > 0.0 ? sum / area : 0.0;
@@ -65,7 +65,7 @@ float source_leaf(ivec2 texel, inout vec4 mine[3]) {
     bool is_light = leaf >= 0.0 && leaf <= 3.4e38;
     if (!is_light) leaf = 0.0;
     leaf = min(leaf, MOST);
-    imageStore(aimed_luminance_image, texel, vec4(area > 0.0 ? leaf / area : 0.0));
+    imageStore(aimed_luminance_image, texel, vec4(aimed_luminance(leaf, area)));
     mine[0] += vec4(leaf, leaf * luminance, area, is_light ? 0.0 : 1.0);
     mine[1] += imageLoad(evidence_image, texel);
     if (SKY_MAP) mine[2] += imageLoad(sky_evidence_image, texel);

@@ -33,7 +33,7 @@ void main() {
         if (!valid) radiance = vec3(0.0);
         imageStore(source_image, ivec2(texel), vec4(radiance, 1.0));
         if (!DYNAMIC) {
-            Patch p = patch_of(texel, g.x - 1u, g.y);
+            Patch p = patch_of(texel, Piece(g.x - 1u, g.y, 0u, 0u));
             float area = length(cross(p.du, p.dv));
             float luminance = dot(radiance, vec3(0.2126, 0.7152, 0.0722));
             mine = vec4(luminance * area, area, max(albedo.r, max(albedo.g, albedo.b)), valid ? 0.0 : 1.0);

@@ -26,6 +26,10 @@ bitflags::bitflags! {
         const IMPORTANCE = 1 << 8;
         /// Something that emits shares a texel with another surface.
         const SHARED_TEXELS = 1 << 9;
+        /// Rays are aimed at clusters of texels, by distance too.
+        const CLUSTERS = 1 << 10;
+        /// And by what has been seen of them.
+        const VISIBILITY = 1 << 11;
     }
 }
 
@@ -66,6 +70,8 @@ impl Features {
             (Self::LIGHTS, "no analytic lights: no direct pass and no map for it"),
             (Self::TEXTURES, "no textures"),
             (Self::IMPORTANCE, "rays by the cosine alone: no pyramids and no lines of sight"),
+            (Self::CLUSTERS, "no rays aimed by distance: no clusters of what shines"),
+            (Self::VISIBILITY, "none by what has been seen: no tables of it"),
             (Self::DYNAMIC, "nothing changes: no running average, no second source map"),
         ];
         words.into_iter().filter(|(bit, _)| !self.intersects(*bit)).map(|(_, words)| words).collect()

@@ -31,6 +31,7 @@
 
 pub mod baker;
 pub mod bvh;
+mod clusters;
 mod epochs;
 mod error;
 mod features;

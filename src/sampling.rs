@@ -26,6 +26,18 @@ pub enum Sampling {
     },
 }
 
+/// By what aimed rays choose where on the light map they go. Whichever it is, the light map is the same but for its noise.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum AimedBy {
+    /// Luminance times area alone: the same for every texel, by a mip-map of sums.
+    Power,
+    /// Power over squared distance, and the cosines at both ends, as the texel that the ray starts from sees it.
+    Distance,
+    /// As [`AimedBy::Distance`], times what earlier rays from there have shown to be visible. The default.
+    #[default]
+    Visibility,
+}
+
 impl Sampling {
     /// Least share of the cosine in a mixture.
     pub const LEAST_COSINE: f32 = 0.1;

@@ -6,13 +6,14 @@
 #ifndef IMPORTANCE_GLSL
 #define IMPORTANCE_GLSL
 
+#include "clusters.glsl"
 #include "pieces.glsl"
 #include "pyramid.glsl"
 #include "sky.glsl"
 
 layout(set = 0, binding = 26) uniform texture2D importance_map;
 layout(set = 0, binding = 27) uniform texture2D sky_importance_map;
-// Leaves over areas.
+// Leaves, over their areas: aimed_luminance in pieces.glsl.
 layout(set = 0, binding = 33, r32f) readonly uniform image2D aimed_luminance_image;
 
 // Finite, for 0 times it must be 0.
@@ -34,14 +35,14 @@ bool is_target(Hit hit, vec2 place, Target target) {
 // One of a texel's pieces, by area: a later one takes the place of those before in proportion to its share of all so far.
 Patch choose_patch(uvec2 texel, float u, out Piece chosen_piece) {
     Shared s = pieces_of(texel, imageLoad(surface_image, ivec2(texel)));
-    chosen_piece = s.owner;
-    Patch chosen = patch_of(texel, s.owner.instance, s.owner.primitive);
-    if (!SHARED_TEXELS || s.others == 0u) return chosen;
-    float total = is_present(s.owner) ? length(area_of(chosen)) : 0.0;
-    for (uint i = 1u; i <= s.others; ++i) {
+    chosen_piece = piece_at(s, 0u);
+    Patch chosen = patch_of(texel, chosen_piece);
+    if (s.count == 1u) return chosen;
+    float total = is_present(chosen_piece) ? length(area_of(chosen)) : 0.0;
+    for (uint i = 1u; i < s.count; ++i) {
         Piece piece = piece_at(s, i);
         if (!is_present(piece)) continue;
-        Patch p = patch_of(texel, piece.instance, piece.primitive);
+        Patch p = patch_of(texel, piece);
         float area = length(area_of(p));
         total += area;
         float share = area / total;
@@ -60,11 +61,11 @@ Patch choose_patch(uvec2 texel, float u, out Piece chosen_piece) {
 float cosine_at_piece(Hit hit, vec2 place, vec3 direction) {
     uvec2 texel = uvec2(place);
     Shared s = pieces_of(texel, imageLoad(surface_image, ivec2(texel)));
-    for (uint i = 0u; i <= s.others; ++i) {
+    for (uint i = 0u; i < s.count; ++i) {
         Piece piece = piece_at(s, i);
         // Triangles of a sheet are one plane in the texel.
         if (piece.instance != hit.instance || primitives[piece.primitive].sheet != primitives[hit.primitive].sheet) continue;
-        Patch p = patch_of(texel, piece.instance, piece.primitive);
+        Patch p = patch_of(texel, piece);
         vec2 at = place - vec2(texel);
         // Not by the rounding of where the hit is in the light map.
         float slack = 2.4e-7 * max(place.x, place.y);
@@ -75,10 +76,30 @@ float cosine_at_piece(Hit hit, vec2 place, vec3 direction) {
     return 0.0;
 }
 
-// From the ray's origin to a point of a texel that `u` chooses, and that texel by a leaf that `choice` in [0,1) chooses.
-// False: there is none.
-bool aim_at_source(float choice, vec3 u, uint texel, uint sample_index, inout Ray ray, out Target target) {
-    if (!choose_leaf(importance_map, push.map_size, choice, texel, sample_index, target.texel)) return false;
+// `mixed`: rays are aimed at all.
+View view_of(Surface s, uvec2 texel, bool mixed) {
+    View v = View(point_at(s, s.start), s.normal, 0u, 0.0);
+    if (!mixed) return v;
+    if (CLUSTERS) {
+        v.row = row_of(texel);
+        v.total = total_of(v);
+    } else {
+        v.total = pyramid_total(importance_map, push.map_size);
+    }
+    return v;
+}
+
+// The texel that `choice` in [0,1) chooses; false: there is none.
+bool choose_source(View v, float choice, float fresh, uint texel, uint sample_index, inout Walk walk, out uvec2 source) {
+    if (!CLUSTERS) return choose_leaf(importance_map, push.map_size, choice, texel, sample_index, source);
+    float u;
+    bool chosen = choose_cluster(v, choice, fresh, walk, u);
+    source = choose_texel(walk.cluster, u);
+    return chosen;
+}
+
+// From the ray's origin to a point of a texel that `u` chooses.
+bool aim_at_texel(vec3 u, inout Ray ray, inout Target target) {
     Patch p = choose_patch(target.texel, u.z, target.piece);
     vec2 at = mix(p.lo, p.hi, u.xy);
     vec3 way = p.origin + p.du * at.x + p.dv * at.y - ray.origin;
@@ -90,17 +111,20 @@ bool aim_at_source(float choice, vec3 u, uint texel, uint sample_index, inout Ra
 }
 
 // Density over solid angle of a ray that the source technique aims to where this one hit.
-float source_density(Hit hit, vec2 place, vec3 direction, float total) {
+float source_density(Hit hit, vec2 place, vec3 direction, View v) {
     uvec2 texel = uvec2(place);
     float luminance = imageLoad(aimed_luminance_image, ivec2(texel)).x;
     float cosine = luminance > 0.0 ? cosine_at_piece(hit, place, direction) : 0.0;
     if (!(cosine > 0.0)) return 0.0;
     if (DYNAMIC) {
-        // What has been scaled or has gone since the pyramid was made is chosen as often as before, over its new area.
-        float area = area_of_pieces(texel, pieces_of(texel, imageLoad(surface_image, ivec2(texel))));
-        luminance = pyramid_leaf(importance_map, texel) / area;
+        // What has been scaled or has gone since the leaves were made is chosen as often as before, over its new area.
+        luminance /= area_of_pieces(texel, pieces_of(texel, imageLoad(surface_image, ivec2(texel))));
     }
-    return min(luminance / total * hit.t / cosine * hit.t, MOST_DENSITY);
+    if (CLUSTERS) {
+        uint cluster = cluster_of(texel);
+        luminance *= weight_of(v, cluster) / clusters[cluster].power;
+    }
+    return min(luminance / v.total * hit.t / cosine * hit.t, MOST_DENSITY);
 }
 
 // Toward a pixel of the sky that `choice` chooses, evenly over its solid angle.

@@ -68,10 +68,26 @@ struct Texcoords {
     vec2 emission[3];
 };
 
-// A primitive as an instance has it.
+// A primitive as an instance has it, and how far its sheet reaches within a texel: least and greatest x and y, two unorm16
+// each, or 0 where the primitive's own bounds tell.
 struct Piece {
     uint instance;
     uint primitive;
+    uint lo;
+    uint hi;
+};
+
+// Texels that rays are aimed at together. Of what shines: `centre`, its mean place; `spread`, the root of the mean squared
+// distance from there; `axis`, the mean normal, where it shines to the front alone; `even`, what shines whichever way.
+struct Cluster {
+    vec3 centre;
+    float spread;
+    vec3 axis;
+    float even;
+    float power;  // luminance times area
+    uint first;   // in the list of clusters' texels
+    uint count;
+    uint pad0;
 };
 
 const uint PRIMITIVE_MAPPED = 1u;
@@ -100,6 +116,8 @@ const bool TEXTURES = (FEATURES & 64u) != 0u;
 const bool DYNAMIC = (FEATURES & 128u) != 0u;      // the light map follows a scene that changes
 const bool IMPORTANCE = (FEATURES & 256u) != 0u;   // rays are aimed at light as well
 const bool SHARED_TEXELS = (FEATURES & 512u) != 0u; // something that emits shares a texel with another surface
+const bool CLUSTERS = (FEATURES & 1024u) != 0u;    // rays are aimed by distance as well
+const bool VISIBILITY = (FEATURES & 2048u) != 0u;  // and by what has been seen
 
 layout(push_constant, std430) uniform Push {
     uvec2 map_size;       // texels
@@ -113,13 +131,13 @@ layout(push_constant, std430) uniform Push {
     float origin_offset;  // along the geometric normal, scene units
     uvec2 seed;
     uint instance;        // gbuffer: the instance drawn; importance: 1 = of the sky
-    uint step_texels;     // dilate: how far to look; 0 = fill
+    uint step_texels;     // dilate: how far to look; 0 = fill; bake: one in so many tells what it sees
     float mean_luminance; // resolve, bake: of the last estimate
     uint rays;            // bake: of a quantum, those below included
     uint source_rays;     // bake: aimed at the light map
     uint sky_rays;        // bake: aimed at the sky map
     uint evidence_quantum; // bake: which quantum tells of other mixtures
-    uint first_level;     // importance: of the pyramid
+    uint first_level;     // importance: of the pyramid; clusters: which is the first
     uint end_level;
     uint first_sample;    // bake: of quantum 0, for the random numbers
     float history;        // bake, dynamic: what the running average weighs, in quanta

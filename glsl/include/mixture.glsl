@@ -7,7 +7,8 @@
 #include "radiance.glsl"
 #include "sampling.glsl"
 
-const uint FOOTPRINT_TRIES = 4u;
+// Of a texel that is half covered one ray in 2^16 does without.
+const uint FOOTPRINT_TRIES = 16u;
 
 // A point of the texel that lies on its triangle and within its footprint.
 vec2 choose_point(Surface s, vec4 sides, uint texel, uint sample_index, vec2 u) {
@@ -25,8 +26,8 @@ struct Receiver {
     mat3 frame;
     vec4 sides;
     uint key;
-    float source_total;  // of the pyramids
-    float sky_total;
+    View view;        // of what rays are aimed at; without clusters the pyramid's total alone
+    float sky_total;  // of the sky's pyramid
 };
 
 // What a ray must find.
@@ -58,7 +59,7 @@ const vec3 LUMINANCE = vec3(0.2126, 0.7152, 0.0722);
 
 // Where ray `index` of a quantum goes; false: nowhere, and no ray is traced. Techniques take turns, each over strata of
 // its own.
-bool aim_ray(Receiver r, uint index, uint sample_index, out Ray ray, out Aim aim) {
+bool aim_ray(Receiver r, uint index, uint sample_index, inout Walk walk, out Ray ray, out Aim aim) {
     uint cosine_rays = push.rays - push.source_rays - push.sky_rays;
     vec4 u = random4(r.key, sample_index, 0u);
     vec3 point = point_at(r.surface, choose_point(r.surface, r.sides, r.key, sample_index, u.zw));
@@ -69,11 +70,12 @@ bool aim_ray(Receiver r, uint index, uint sample_index, out Ray ray, out Aim aim
         ray.direction = r.frame * cosine_direction(stratified(index, cosine_rays, u.xy));
         ray.t_max = 1e30;
     } else {
-        vec3 v = random4(r.key, sample_index, WALK_DIMENSION - 1u).xyz;
+        vec4 v = random4(r.key, sample_index, WALK_DIMENSION - 1u);
         v.x += v.z / 16777216.0;
         if (aim.technique == BY_SOURCE) {
             float choice = (float(index - cosine_rays) + v.x) / float(push.source_rays);
-            aimed = aim_at_source(choice, vec3(u.xy, v.y), r.key, sample_index, ray, aim.target);
+            aimed = choose_source(r.view, choice, v.w, r.key, sample_index, walk, aim.target.texel)
+                    && aim_at_texel(vec3(u.xy, v.y), ray, aim.target);
         } else {
             float choice = (float(index - cosine_rays - push.source_rays) + v.x) / float(push.sky_rays);
             aimed = SKY_MAP && aim_at_sky(choice, u.xy, r.key, sample_index, ray);
@@ -92,7 +94,7 @@ vec3 weigh(Receiver r, Hit hit, vec3 direction, Aim aim, inout Evidence evidence
     float rays = float(hit.committed ? push.source_rays : push.sky_rays);
     bool mapped = !UNMAPPED || (primitives[hit.primitive].flags & PRIMITIVE_MAPPED) != 0u;
     float aimed = 0.0;
-    if (hit.committed && mapped) aimed = source_density(hit, place, direction, r.source_total);
+    if (hit.committed && mapped) aimed = source_density(hit, place, direction, r.view);
     if (SKY_MAP && !hit.committed) aimed = sky_density(direction, r.sky_total);
     if (aim.technique != BY_COSINE) {
         // A line of sight counts where it finds the very texel.

@@ -53,7 +53,7 @@ vec2 off_the_edge(vec2 t1, vec2 t2, vec2 b) {
     return b + inward * min(0.5, INSET / max(length(t1 * inward.x + t2 * inward.y), 1e-20));
 }
 
-// A texel as a source of light: its plane as above, and the part of it that its primitive's bounding rectangle leaves.
+// A texel as a source of light: its plane as above, and the part of it that the bounding rectangle of what lies there leaves.
 struct Patch {
     vec3 origin;
     vec3 du;
@@ -62,7 +62,8 @@ struct Patch {
     vec2 hi;
 };
 
-Patch patch_of(uvec2 texel, uint instance, uint primitive) {
+Patch patch_of(uvec2 texel, Piece piece) {
+    uint instance = piece.instance, primitive = piece.primitive;
     vec3 v0 = to_world_point(instance, triangles[primitive].corners[0].xyz);
     vec3 e1 = to_world_point(instance, triangles[primitive].corners[1].xyz) - v0;
     vec3 e2 = to_world_point(instance, triangles[primitive].corners[2].xyz) - v0;
@@ -76,6 +77,10 @@ Patch patch_of(uvec2 texel, uint instance, uint primitive) {
     p.origin = v0 - p.du * t0.x - p.dv * t0.y;
     p.lo = clamp(t0 + min(vec2(0.0), min(t1, t2)), 0.0, 1.0);
     p.hi = clamp(t0 + max(vec2(0.0), max(t1, t2)), 0.0, 1.0);
+    if (SHARED_TEXELS && piece.hi != 0u) {
+        p.lo = unpackUnorm2x16(piece.lo);
+        p.hi = unpackUnorm2x16(piece.hi);
+    }
     return p;
 }
 

@@ -6,13 +6,13 @@ use crate::epochs::Epoch;
 use crate::error::Result;
 use crate::features::Features;
 use crate::gpu::layout::Push;
-use crate::pass::{Context, Importance};
+use crate::pass::{Aim, Context};
 use crate::sampling::Chooser;
 use std::time::Instant;
 
 /// Without the feature nothing is aimed and nothing is made.
 pub(super) struct Aiming {
-    pass: Option<Importance>,
+    pass: Option<Aim>,
     chooser: Chooser,
     sky_made: bool,
     /// Aimed rays made light grow from bounce to bounce.
@@ -33,13 +33,12 @@ pub(super) enum Occasion {
 impl Aiming {
     pub(super) fn new(core: &mut Core, sampling: Sampling) -> Result<Self> {
         let context = Context { gpu: &core.gpu, constants: core.constants, scene: &core.scene, maps: &core.maps };
-        let pass = core.features.contains(Features::IMPORTANCE).then(|| Importance::new(context)).transpose()?;
+        let pass = Aim::new(context)?;
         let chooser = Chooser::new(sampling, core.features.contains(Features::SKY_MAP));
         if let Some(pass) = &pass {
-            // On nothing: drivers that compile at the first use do so here.
             let nothing = Push { map_size: [0, 0], ..core.push };
             core.commands.run(|recorder| {
-                pass.record_leaves(recorder, &nothing, 0, 0..1, true);
+                pass.record_first_use(recorder, &nothing);
                 Ok(())
             })?;
         }
@@ -57,7 +56,8 @@ impl Aiming {
     pub(super) fn push(&self, push: Push, rays: u32, epoch: Epoch) -> Push {
         let by_cosine = self.bounces_by_cosine && epoch == Epoch::Bounce;
         let [source_rays, sky_rays] = if by_cosine { [0, 0] } else { self.chooser.shares().aimed_rays(rays) };
-        Push { rays, source_rays, sky_rays, mean_luminance: self.mean_luminance, ..push }
+        let step_texels = self.pass.as_ref().map_or(1, Aim::tells_every);
+        Push { rays, source_rays, sky_rays, step_texels, mean_luminance: self.mean_luminance, ..push }
     }
 
     /// Makes the pyramids from the source map, and chooses how many rays are aimed. Where none are and none may be, nothing
@@ -71,8 +71,7 @@ impl Aiming {
         let push = &core.push;
         let make_sky = !std::mem::replace(&mut self.sky_made, true);
         core.commands.run(|recorder| {
-            pass.record_leaves(recorder, push, 0, 0..pass.rows(), true);
-            pass.record_levels(recorder, push);
+            pass.record(recorder, push, 0, 0..pass.parts(), true);
             if make_sky {
                 pass.record_sky(recorder, push);
             }

@@ -9,7 +9,7 @@ mod setup;
 mod still;
 
 pub use crate::epochs::Bounces;
-pub use crate::sampling::{Sampling, SamplingStatistics};
+pub use crate::sampling::{AimedBy, Sampling, SamplingStatistics};
 pub use crate::schedule::Slice;
 pub use frames::{Clock, FrameId, FrameReport, FrameSettings, FrameTiming, Learning, MeasuredBy, Ran, Timing};
 pub use memory::{MemoryEstimate, estimate_memory};
@@ -37,6 +37,8 @@ pub struct BakeSettings {
     pub bounces: Bounces,
     /// Which way rays are sent.
     pub sampling: Sampling,
+    /// Where aimed rays go.
+    pub aimed_by: AimedBy,
     /// Another seed gives other noise.
     pub seed: u64,
     /// How long one submission of a static bake may take.
@@ -63,6 +65,7 @@ impl Default for BakeSettings {
             resolution: Resolution::Texels(512),
             bounces: Bounces::Auto,
             sampling: Sampling::Auto,
+            aimed_by: AimedBy::default(),
             seed: 0,
             slice: Slice::default(),
             mode: Mode::Still,

@@ -3,14 +3,14 @@
 use super::frames::Frames;
 use super::memory::MemoryEstimate;
 use super::still::Still;
-use super::{BakeSettings, Baker, Core, Mode, Running, Sampling, Statistics};
+use super::{AimedBy, BakeSettings, Baker, Core, Mode, Running, Sampling, Statistics};
 use crate::bvh::{Bvh, InstanceRecord, Motion};
 use crate::epochs::Bounces;
 use crate::error::{Error, Result};
 use crate::features::Features;
 use crate::gpu::layout::{NO_FOOTPRINT, Push};
 use crate::gpu::{Commands, Constants, Gpu};
-use crate::pass::{Context, DeviceScene, Gbuffer, Maps, Pieces, Settle, TexelKind, TexelList};
+use crate::pass::{Context, DeviceScene, Gbuffer, Maps, Pieces, Settle, Sources, TexelKind, TexelList};
 use crate::scene::{Atlas, Scene, Sky};
 use glam::Vec3;
 use std::ops::Range;
@@ -96,7 +96,10 @@ pub(super) fn features_of(scene: &Scene, settings: &BakeSettings) -> Features {
         Mode::Still => Features::required(scene),
         Mode::Frames(_) => Features::required_dynamic(scene),
     };
-    features.set(Features::IMPORTANCE, settings.sampling != Sampling::Cosine);
+    let aims = settings.sampling != Sampling::Cosine;
+    features.set(Features::IMPORTANCE, aims);
+    features.set(Features::CLUSTERS, aims && settings.aimed_by != AimedBy::Power);
+    features.set(Features::VISIBILITY, aims && settings.aimed_by == AimedBy::Visibility);
     features
 }
 
@@ -129,6 +132,9 @@ impl Core {
             let pieces = Pieces::new(&mut commands, scene, bvh, &device_scene, size, &surfaces)?;
             features.set(Features::SHARED_TEXELS, pieces.shared_texels > 0);
             (maps.pieces, device_scene.pieces) = (pieces.codes, pieces.list);
+            if features.contains(Features::CLUSTERS) {
+                maps.sources = Sources::new(&mut commands, bvh, &device_scene, size, &surfaces)?;
+            }
             device_scene.host_primitives = Vec::new();
         }
         let constants = Constants::new(features, bvh);

@@ -39,6 +39,12 @@ pub(crate) mod binding {
     pub(crate) const PIECES_MAP: u32 = 31;
     pub(crate) const PIECES: u32 = 32;
     pub(crate) const AIMED_LUMINANCE: u32 = 33;
+    pub(crate) const CLUSTERS: u32 = 34;
+    pub(crate) const CLUSTER_TEXELS: u32 = 35;
+    pub(crate) const CLUSTER_SUMS: u32 = 36;
+    pub(crate) const SEATS: u32 = 37;
+    pub(crate) const VISIBILITY: u32 = 38;
+    pub(crate) const SIGHTINGS: u32 = 39;
 }
 
 /// What a hit needs of a triangle.
@@ -69,6 +75,30 @@ impl Primitive {
 pub(crate) struct Piece {
     pub(crate) instance: u32,
     pub(crate) primitive: u32,
+    /// How far its sheet reaches within a texel: least x and y, two unorm16.
+    pub(crate) lo: u32,
+    /// Greatest x and y; 0: the primitive's own bounds tell.
+    pub(crate) hi: u32,
+}
+
+/// Texels that rays are aimed at together.
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct Cluster {
+    /// Mean place of what shines.
+    pub(crate) centre: [f32; 3],
+    /// Root of the mean squared distance from the centre.
+    pub(crate) spread: f32,
+    /// Mean normal, where it shines to the front alone.
+    pub(crate) axis: [f32; 3],
+    /// Share that shines whichever way.
+    pub(crate) even: f32,
+    /// Luminance times area.
+    pub(crate) power: f32,
+    /// In the list of clusters' texels.
+    pub(crate) first: u32,
+    pub(crate) count: u32,
+    pub(crate) pad0: u32,
 }
 
 /// A material's factors.

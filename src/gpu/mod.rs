@@ -36,7 +36,8 @@ pub(crate) use pipeline::{ComputePipeline, Constants, RasterDesc, RasterPipeline
 pub(crate) use recorder::{Recorder, Rendering};
 pub(crate) use sampler::Sampler;
 pub(crate) use shader::{
-    BAKE, DILATE, DIRECT, GBUFFER_FRAG, GBUFFER_VERT, IMPORTANCE, PUBLISH, RESOLVE, SETTLE, SOURCE, TRACE,
+    BAKE, CLUSTERS, DILATE, DIRECT, GBUFFER_FRAG, GBUFFER_VERT, IMPORTANCE, PUBLISH, RESOLVE, SETTLE, SOURCE, TRACE,
+    VISIBILITY,
 };
 pub(crate) use timer::{MARKS, Timer};
 

@@ -34,6 +34,12 @@ impl Bake {
                 (binding::PIECES_MAP, Resource::StorageImage(&maps.pieces)),
                 (binding::PIECES, Resource::Storage(&context.scene.pieces)),
                 (binding::SKY_EVIDENCE, Resource::StorageImage(&maps.sky_evidence)),
+                (binding::CLUSTERS, Resource::Storage(&maps.sources.clusters)),
+                (binding::CLUSTER_TEXELS, Resource::Storage(&maps.sources.texels)),
+                (binding::CLUSTER_SUMS, Resource::Storage(&maps.sources.sums)),
+                (binding::SEATS, Resource::StorageImage(&maps.sources.seats)),
+                (binding::VISIBILITY, Resource::Storage(&maps.sources.visibility)),
+                (binding::SIGHTINGS, Resource::Storage(&maps.sources.sightings)),
             ]);
             resources
         };

@@ -1,5 +1,6 @@
 //! Everything that is kept for each texel of the light map.
 
+use super::clusters::Sources;
 use super::importance::Pyramid;
 use crate::error::Result;
 use crate::features::Features;
@@ -32,6 +33,8 @@ pub(crate) struct Maps {
     pub(crate) aimed_luminance: Image,
     /// Texels that are more than one piece: `pass/pieces.rs`. 1 x 1 until somebody has looked.
     pub(crate) pieces: Image,
+    /// Clusters of source texels; none until somebody has looked.
+    pub(crate) sources: Sources,
     /// What rays tell of other ways to aim them; of light from the sky map.
     pub(crate) evidence: Image,
     pub(crate) sky_evidence: Image,
@@ -112,6 +115,7 @@ impl Maps {
                 gpu,
                 ImageDesc { name: "pieces map", size: [1, 1], format: PIECES, usage, mip_levels: 1 },
             )?,
+            sources: Sources::none(commands)?,
             aimed_luminance: image(10, usage)?,
             evidence: image(11, usage)?,
             sky_evidence: image(12, usage)?,
@@ -136,6 +140,7 @@ impl Maps {
             &self.importance,
             &self.sky_importance,
             &self.pieces,
+            self.sources.seats(),
             &self.aimed_luminance,
             &self.evidence,
             &self.sky_evidence,

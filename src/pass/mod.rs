@@ -1,6 +1,8 @@
 //! The passes, one file each, of the same name as its shader.
 
+mod aim;
 mod bake;
+mod clusters;
 mod dilate;
 mod direct;
 mod gbuffer;
@@ -17,11 +19,12 @@ mod source;
 mod textures;
 mod trace;
 
+pub(crate) use aim::Aim;
 pub(crate) use bake::Bake;
+pub(crate) use clusters::Sources;
 pub(crate) use dilate::Dilate;
 pub(crate) use direct::Direct;
 pub(crate) use gbuffer::Gbuffer;
-pub(crate) use importance::Importance;
 pub(crate) use maps::Maps;
 pub(crate) use pieces::Pieces;
 pub(crate) use publish::Publish;
@@ -35,6 +38,8 @@ use crate::error::Result;
 use crate::gpu::layout::{GROUP, Push};
 use crate::gpu::{Buffer, BufferDesc, Commands, Constants, Gpu, Location};
 use ash::vk;
+use clusters::Clusters;
+use importance::Importance;
 use std::ops::Range;
 
 /// What every pass is made from.

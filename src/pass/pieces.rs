@@ -1,6 +1,7 @@
-//! What lies in a texel beside the primitive that the g-buffer has there: a lamp's chart may be smaller than a texel and
-//! share it with another's. Rays are aimed at all of them, for all answer with that texel's radiance; in a dynamic scene with
-//! that and their own emission. What is dark at first is found by chance when it shines later.
+//! What lies in a texel, where that is more than one primitive: a lamp's chart may be smaller than a texel and share it with
+//! another's, or a texel hold several triangles of one lamp. Rays are aimed at all of them, for all answer with that texel's
+//! radiance; in a dynamic scene with that and their own emission. What is dark at first is found by chance when it shines
+//! later.
 
 use super::maps::PIECES;
 use super::scene::DeviceScene;
@@ -17,11 +18,11 @@ const LEAST_AREA: f32 = 1e-3;
 /// Bits of a code that say where in the list a texel's pieces begin; above them, how many there are.
 const FIRST_BITS: u32 = 24;
 /// Pieces of a texel, at most; a texel of more is a heap of slivers.
-const MOST: usize = 15;
+const MOST: usize = 16;
 
 /// Texels with more than one piece, on the device.
 pub(crate) struct Pieces {
-    /// `[texel]`: 0, or number << 24 | first.
+    /// `[texel]`: 0, where there is only what the g-buffer has, or number << 24 | first.
     pub(crate) codes: Image,
     pub(crate) list: Buffer,
     /// Texels that have any.
@@ -43,44 +44,37 @@ impl Pieces {
         for (instance, placed) in scene.instances().iter().enumerate().filter(|_| any_emits) {
             let range = &bvh.meshes[placed.mesh];
             let atlas = bvh.instances[instance].atlas;
-            for index in range.first_primitive..range.first_primitive + range.count {
-                let primitive = &device_scene.host_primitives[index as usize];
-                if primitive.flags & Primitive::MAPPED != 0 {
-                    let corners =
-                        primitive.uvs.map(|[u, v]| Vec2::new(u * atlas[0] + atlas[2], v * atlas[1] + atlas[3]));
-                    let piece = layout::Piece { instance: instance as u32, primitive: index };
-                    collect(device_scene, size, surfaces, corners, piece, &mut found);
+            for primitive in range.first_primitive..range.first_primitive + range.count {
+                let encoded = &device_scene.host_primitives[primitive as usize];
+                if encoded.flags & Primitive::MAPPED != 0 {
+                    let corners = encoded.uvs.map(|[u, v]| Vec2::new(u * atlas[0] + atlas[2], v * atlas[1] + atlas[3]));
+                    collect(device_scene, size, surfaces, corners, (instance as u32, primitive), &mut found);
                 }
             }
         }
-        found.sort_unstable_by_key(|(texel, piece)| (*texel, piece.instance, piece.primitive));
-        Self::upload(commands, device_scene, size, &found)
+        found.sort_unstable_by_key(|part| (part.texel, part.instance, part.primitive));
+        let mut shared: Vec<(usize, Vec<layout::Piece>)> = Vec::new();
+        for parts in found.chunk_by(|one, other| one.texel == other.texel) {
+            let [owner, primitive, ..] = surfaces[parts[0].texel];
+            let owner = layout::Piece { instance: owner - 1, primitive, lo: 0, hi: 0 };
+            if parts.iter().any(|part| part.primitive != primitive || part.instance != owner.instance) {
+                shared.push((parts[0].texel, pieces_of(device_scene, owner, parts)));
+            }
+        }
+        Self::upload(commands, size, &shared)
     }
 
-    /// `found`: by texel.
-    fn upload(
-        commands: &mut Commands,
-        device_scene: &DeviceScene,
-        size: [u32; 2],
-        found: &[(usize, layout::Piece)],
-    ) -> Result<Self> {
-        let size = if found.is_empty() { [1, 1] } else { size };
+    /// `shared`: texels with their pieces.
+    fn upload(commands: &mut Commands, size: [u32; 2], shared: &[(usize, Vec<layout::Piece>)]) -> Result<Self> {
+        let size = if shared.is_empty() { [1, 1] } else { size };
         let mut codes = vec![0_u32; size[0] as usize * size[1] as usize];
         let mut list: Vec<layout::Piece> = Vec::new();
-        let mut shared_texels = 0;
-        for of_texel in found.chunk_by(|(one, _), (other, _)| one == other) {
-            let first = list.len();
-            if first >= 1 << FIRST_BITS {
+        for (texel, pieces) in shared {
+            if list.len() >= 1 << FIRST_BITS {
                 break;
             }
-            for (_, piece) in of_texel {
-                let known = list[first..].iter().any(|other| device_scene.same_sheet(*other, *piece));
-                if !known && list.len() - first < MOST {
-                    list.push(*piece);
-                }
-            }
-            codes[of_texel[0].0] = ((list.len() - first) as u32) << FIRST_BITS | first as u32;
-            shared_texels += 1;
+            codes[*texel] = (pieces.len() as u32) << FIRST_BITS | list.len() as u32;
+            list.extend(pieces);
         }
         let (format, usage) = (PIECES, vk::ImageUsageFlags::STORAGE);
         let desc = ImageDesc { name: "pieces map", size, format, usage, mip_levels: 1 };
@@ -89,41 +83,80 @@ impl Pieces {
         let usage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let list =
             commands.upload(BufferDesc { name: "pieces", size: bytes, usage, location: Location::Device }, &list)?;
-        Ok(Self { codes, list, shared_texels })
+        Ok(Self { codes, list, shared_texels: shared.len() as u64 })
     }
 }
 
-/// Adds the texels in which a primitive lies and is not what the g-buffer has.
+/// A primitive's part of a texel.
+struct Part {
+    texel: usize,
+    instance: u32,
+    primitive: u32,
+    /// From the texel's corner.
+    lo: Vec2,
+    hi: Vec2,
+}
+
+/// Adds the texels in which a primitive lies, where it or what the g-buffer has there emits.
 fn collect(
     device_scene: &DeviceScene,
     [width, height]: [u32; 2],
     surfaces: &[[u32; 4]],
     corners: [Vec2; 3],
-    piece: layout::Piece,
-    found: &mut Vec<(usize, layout::Piece)>,
+    (instance, primitive): (u32, u32),
+    found: &mut Vec<Part>,
 ) {
-    let emits = device_scene.emits(piece.primitive);
+    let emits = device_scene.emits(primitive);
     let lo = corners[0].min(corners[1]).min(corners[2]).max(Vec2::ZERO).as_uvec2();
     let hi = corners[0].max(corners[1]).max(corners[2]).max(Vec2::ZERO).as_uvec2();
     for y in lo.y..=hi.y.min(height - 1) {
         for x in lo.x..=hi.x.min(width - 1) {
             let texel = y as usize * width as usize + x as usize;
-            let [owner, primitive, ..] = surfaces[texel];
-            let Some(instance) = owner.checked_sub(1) else { continue };
-            let owner = layout::Piece { instance, primitive };
-            let matters = emits || device_scene.emits(primitive);
-            if matters
-                && !device_scene.same_sheet(owner, piece)
-                && area_within(corners, Vec2::new(x as f32, y as f32)) > LEAST_AREA
-            {
-                found.push((texel, piece));
+            if surfaces[texel][0] == 0 || !(emits || device_scene.emits(surfaces[texel][1])) {
+                continue;
+            }
+            let polygon = clip(corners, Vec2::new(x as f32, y as f32));
+            if area_of(&polygon) > LEAST_AREA {
+                let bounds = (Vec2::INFINITY, Vec2::NEG_INFINITY);
+                let (lo, hi) = polygon.iter().fold(bounds, |(lo, hi), point| (lo.min(*point), hi.max(*point)));
+                found.push(Part { texel, instance, primitive, lo, hi });
             }
         }
     }
 }
 
-/// Area of a triangle within the unit square at `corner`: clipped side by side (Sutherland and Hodgman).
-fn area_within(triangle: [Vec2; 3], corner: Vec2) -> f32 {
+/// A texel's sheets, the g-buffer's first, each with the bounds of all its parts.
+fn pieces_of(device_scene: &DeviceScene, owner: layout::Piece, parts: &[Part]) -> Vec<layout::Piece> {
+    let mut sheets: Vec<(layout::Piece, Vec2, Vec2)> = vec![(owner, Vec2::INFINITY, Vec2::NEG_INFINITY)];
+    for part in parts {
+        let piece = layout::Piece { instance: part.instance, primitive: part.primitive, lo: 0, hi: 0 };
+        if let Some((_, lo, hi)) = sheets.iter_mut().find(|(known, ..)| device_scene.same_sheet(*known, piece)) {
+            (*lo, *hi) = (lo.min(part.lo), hi.max(part.hi));
+        } else if sheets.len() < MOST {
+            sheets.push((piece, part.lo, part.hi));
+        }
+    }
+    let bounded = |(piece, lo, hi): (layout::Piece, Vec2, Vec2)| {
+        let [lo, hi] = bounds(lo, hi);
+        layout::Piece { lo, hi, ..piece }
+    };
+    sheets.into_iter().map(bounded).collect()
+}
+
+/// As two unorm16 each, rounded outward; 0 where nothing is known.
+fn bounds(lo: Vec2, hi: Vec2) -> [u32; 2] {
+    const STEPS: f32 = 65535.0;
+    let pack = |corner: Vec2| {
+        let [x, y] = corner.clamp(Vec2::ZERO, Vec2::splat(STEPS)).to_array().map(|side| side as u32);
+        x | y << 16
+    };
+    // What rounding has added to a side that is a step's is no more than a hundredth of one.
+    let [lo, hi] = [(lo * STEPS + 0.01).floor(), (hi * STEPS - 0.01).ceil()];
+    if lo.cmplt(hi).all() { [pack(lo), pack(hi)] } else { [0, 0] }
+}
+
+/// A triangle's part of the unit square at `corner`, from there: clipped side by side (Sutherland and Hodgman).
+fn clip(triangle: [Vec2; 3], corner: Vec2) -> Vec<Vec2> {
     let mut polygon: Vec<Vec2> = triangle.map(|p| p - corner).to_vec();
     for (normal, offset) in [(Vec2::X, 0.0), (Vec2::NEG_X, 1.0), (Vec2::Y, 0.0), (Vec2::NEG_Y, 1.0)] {
         let inside = |p: Vec2| p.dot(normal) + offset;
@@ -140,6 +173,10 @@ fn area_within(triangle: [Vec2; 3], corner: Vec2) -> f32 {
         }
         polygon = clipped;
     }
+    polygon
+}
+
+fn area_of(polygon: &[Vec2]) -> f32 {
     let crosses = (0..polygon.len()).map(|i| polygon[i].perp_dot(polygon[(i + 1) % polygon.len()]));
     0.5 * crosses.sum::<f32>().abs()
 }
@@ -151,10 +188,17 @@ mod tests {
     #[test]
     fn triangles_are_clipped_at_texels() {
         let triangle = [Vec2::new(0.0, 0.0), Vec2::new(2.0, 0.0), Vec2::new(0.0, 2.0)];
-        let area = |x, y| area_within(triangle, Vec2::new(x, y));
+        let area = |x, y| area_of(&clip(triangle, Vec2::new(x, y)));
         assert_eq!([area(0.0, 0.0), area(1.0, 0.0), area(0.0, 1.0)], [1.0, 0.5, 0.5]);
         assert_eq!([area(1.0, 1.0), area(-1.0, 0.0), area(5.0, 5.0)], [0.0; 3]);
         let within = [Vec2::new(3.25, 3.25), Vec2::new(3.75, 3.25), Vec2::new(3.25, 3.75)];
-        assert_eq!(area_within(within, Vec2::splat(3.0)), 0.125);
+        assert_eq!(area_of(&clip(within, Vec2::splat(3.0))), 0.125);
+    }
+
+    #[test]
+    fn bounds_are_rounded_outward() {
+        assert_eq!(bounds(Vec2::ZERO, Vec2::ONE), [0, 0xffff_ffff]);
+        assert_eq!(bounds(Vec2::splat(0.5), Vec2::new(0.6, 1.0)), [0x7fff_7fff, 0xffff_9999]);
+        assert_eq!(bounds(Vec2::INFINITY, Vec2::NEG_INFINITY), [0, 0]);
     }
 }

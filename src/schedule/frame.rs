@@ -93,7 +93,7 @@ pub(crate) struct FrameScheduler {
 impl FrameScheduler {
     pub(crate) fn new(extent: Extent) -> Self {
         let tile = f64::from(TILE);
-        let row_units = [extent.texels_per_importance_row, extent.texels_per_block_row].map(f64::from);
+        let row_units = [extent.texels_per_importance_part, extent.texels_per_block_row].map(f64::from);
         let units = [tile * f64::from(extent.lights.max(1)), row_units[0], tile * RAYS, row_units[1]];
         Self {
             extent,
@@ -302,7 +302,7 @@ impl FrameScheduler {
         match stage {
             Stage::Direct => texels * f64::from(self.extent.lights.max(1)),
             Stage::Gather => texels * RAYS * f64::from(quanta),
-            Stage::Importance => f64::from(self.extent.texels_per_importance_row.max(1)),
+            Stage::Importance => f64::from(self.extent.texels_per_importance_part.max(1)),
             Stage::Publish => f64::from(self.extent.texels_per_block_row.max(1)),
         }
     }

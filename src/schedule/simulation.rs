@@ -60,7 +60,7 @@ impl Device {
         let seconds = match work.stage {
             Stage::Direct => texels * f64::from(self.extent.lights.max(1)) * 0.5 / self.rays_per_s,
             Stage::Gather => texels * 16.0 * f64::from(work.quanta) * relative / self.rays_per_s,
-            Stage::Importance => f64::from(self.extent.texels_per_importance_row) * 0.1 / self.rays_per_s,
+            Stage::Importance => f64::from(self.extent.texels_per_importance_part) * 0.1 / self.rays_per_s,
             Stage::Publish => f64::from(self.extent.texels_per_block_row) * 0.1 / self.rays_per_s,
         };
         seconds * self.slowdown
@@ -107,8 +107,8 @@ fn extent(tiles: u32) -> Extent {
         lights: 4,
         block_rows: tiles.div_ceil(32),
         texels_per_block_row: 32 * TILE,
-        importance_rows: tiles.div_ceil(64),
-        texels_per_importance_row: 64 * TILE,
+        importance_parts: tiles.div_ceil(64),
+        texels_per_importance_part: 64 * TILE,
         fixed_quanta: None,
     }
 }
@@ -386,7 +386,7 @@ proptest! {
         let mut device = Device::new(extent, 10_f64.powf(rate));
         let mut scheduler = FrameScheduler::new(extent);
         let mut checker = Checker::new(extent);
-        for frame in 0..2 * 64 * (2 * tiles + extent.importance_rows + extent.block_rows) {
+        for frame in 0..2 * 64 * (2 * tiles + extent.importance_parts + extent.block_rows) {
             let overhead_s = if frame % 2 == 0 { overhead_s } else { 0.0 };
             let works = scheduler.plan(Duration::from_secs_f64(10_f64.powf(budget)), ALL, overhead_s).to_vec();
             checker.plan(&works, ALL)?;

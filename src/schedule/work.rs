@@ -41,10 +41,10 @@ pub(crate) struct Extent {
     pub(crate) block_rows: u32,
     /// Texels of the map in a row of blocks.
     pub(crate) texels_per_block_row: u32,
-    /// Rows of work groups that the pyramid's lowest level has; 0: there is none.
-    pub(crate) importance_rows: u32,
-    /// Texels of the map in such a row.
-    pub(crate) texels_per_importance_row: u32,
+    /// Parts that making what rays are aimed by may be cut into; 0: none are.
+    pub(crate) importance_parts: u32,
+    /// Texels of the map in such a part.
+    pub(crate) texels_per_importance_part: u32,
     /// Quanta of every visit, instead of as many as fill a frame.
     pub(crate) fixed_quanta: Option<u32>,
 }
@@ -58,7 +58,7 @@ impl Extent {
     pub(super) fn items(&self, stage: Stage) -> u32 {
         match stage {
             Stage::Direct | Stage::Gather => self.tiles(),
-            Stage::Importance => self.importance_rows,
+            Stage::Importance => self.importance_parts,
             Stage::Publish => self.block_rows,
         }
     }

@@ -1,7 +1,7 @@
 //! Bakes, and what several randomisations of a bake tell.
 
 use crate::stage::{Chart, SIDE};
-use lightoven::baker::{BakeSettings, Baker, Bounces, LightMap, Outcome, Sampling, Statistics, Stop};
+use lightoven::baker::{AimedBy, BakeSettings, Baker, Bounces, LightMap, Outcome, Sampling, Statistics, Stop};
 use lightoven::gpu::Gpu;
 use lightoven::scene::{Resolution, Scene};
 use std::ops::ControlFlow;
@@ -22,6 +22,7 @@ pub(crate) struct How {
     pub(crate) samples: u32,
     pub(crate) bounces: Bounces,
     pub(crate) sampling: Sampling,
+    pub(crate) aimed_by: AimedBy,
     /// Side of the light map, texels.
     pub(crate) side: u32,
 }
@@ -29,11 +30,15 @@ pub(crate) struct How {
 impl How {
     /// Rays as the baker likes, in a light map of the usual side.
     pub(crate) fn new(samples: u32, bounces: Bounces) -> Self {
-        Self { samples, bounces, sampling: Sampling::Auto, side: SIDE }
+        Self { samples, bounces, sampling: Sampling::Auto, aimed_by: AimedBy::default(), side: SIDE }
     }
 
     pub(crate) fn by(self, sampling: Sampling) -> Self {
         Self { sampling, ..self }
+    }
+
+    pub(crate) fn aimed(self, aimed_by: AimedBy) -> Self {
+        Self { aimed_by, ..self }
     }
 
     pub(crate) fn on(self, side: u32) -> Self {
@@ -48,9 +53,9 @@ pub(crate) fn bake(gpu: &Gpu, scene: &Scene, how: How, seed: u64) -> (LightMap, 
 }
 
 fn begin(gpu: &Gpu, scene: &Scene, how: How, seed: u64) -> Baker {
-    let How { bounces, sampling, side, samples: _ } = how;
+    let How { bounces, sampling, aimed_by, side, samples: _ } = how;
     let resolution = Resolution::Texels(side);
-    let settings = BakeSettings { resolution, bounces, sampling, seed, ..Default::default() };
+    let settings = BakeSettings { resolution, bounces, sampling, aimed_by, seed, ..Default::default() };
     let baker = Baker::new(gpu, scene, &settings).unwrap();
     assert!(baker.atlas().shared, "the charts are where the test put them");
     baker

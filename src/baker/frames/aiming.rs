@@ -6,7 +6,7 @@ use crate::error::Result;
 use crate::features::Features;
 use crate::gpu::Recorder;
 use crate::gpu::layout::Push;
-use crate::pass::{Context, Importance};
+use crate::pass::{Aim, Context};
 use crate::sampling::{Chooser, Sampling};
 use crate::schedule::Work;
 
@@ -21,7 +21,7 @@ const REST: u32 = 64;
 
 /// Without the feature nothing is aimed and nothing is made.
 pub(super) struct Aiming {
-    pass: Option<Importance>,
+    pass: Option<Aim>,
     chooser: Chooser,
     /// Sweeps for which a change is followed: its bounces, and the decisions about it.
     sweeps: u64,
@@ -42,12 +42,11 @@ pub(super) struct Aiming {
 impl Aiming {
     pub(super) fn new(core: &mut Core, sampling: Sampling, max_albedo: f64, frames_in_flight: u32) -> Result<Self> {
         let context = Context { gpu: &core.gpu, constants: core.constants, scene: &core.scene, maps: &core.maps };
-        let pass = core.features.contains(Features::IMPORTANCE).then(|| Importance::new(context)).transpose()?;
+        let pass = Aim::new(context)?;
         if let Some(pass) = &pass {
-            // On nothing: drivers that compile at the first use do so here.
             let nothing = Push { map_size: [0, 0], ..core.push };
             core.commands.run(|recorder| {
-                pass.record_leaves(recorder, &nothing, 0, 0..1, true);
+                pass.record_first_use(recorder, &nothing);
                 Ok(())
             })?;
         }
@@ -69,9 +68,9 @@ impl Aiming {
         })
     }
 
-    /// Rows of the pyramid's lowest level.
-    pub(super) fn rows(&self) -> u32 {
-        self.pass.as_ref().map_or(0, Importance::rows)
+    /// Parts that [`Aiming::record`] may be cut into.
+    pub(super) fn parts(&self) -> u32 {
+        self.pass.as_ref().map_or(0, Aim::parts)
     }
 
     /// What shines has changed, or what is seen of it.
@@ -109,11 +108,10 @@ impl Aiming {
             self.due = false;
         }
         let wanted = self.awaited.is_none();
-        pass.record_leaves(recorder, &core.push, source, work.items.clone(), wanted);
+        pass.record(recorder, &core.push, source, work.items.clone(), wanted);
         if !work.ends_stage {
             return;
         }
-        pass.record_levels(recorder, &core.push);
         if std::mem::take(&mut self.sky_due) {
             pass.record_sky(recorder, &core.push);
         }
@@ -152,6 +150,7 @@ impl Aiming {
     /// A quantum of `rays`, some of them aimed.
     pub(super) fn push(&self, push: Push, rays: u32) -> Push {
         let [source_rays, sky_rays] = self.rays;
-        Push { rays, source_rays, sky_rays, mean_luminance: self.mean_luminance, ..push }
+        let step_texels = self.pass.as_ref().map_or(1, Aim::tells_every);
+        Push { rays, source_rays, sky_rays, step_texels, mean_luminance: self.mean_luminance, ..push }
     }
 }

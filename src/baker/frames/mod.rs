@@ -115,8 +115,8 @@ impl Frames {
             lights: core.push.light_count,
             block_rows: height.div_ceil(SQUARE_GROUP),
             texels_per_block_row: width * SQUARE_GROUP,
-            importance_rows: aiming.rows(),
-            texels_per_importance_row: 2 * width * SQUARE_GROUP,
+            importance_parts: aiming.parts(),
+            texels_per_importance_part: 2 * width * SQUARE_GROUP,
             fixed_quanta: settings.quanta,
         };
         let settling = Settling::new(&average, max_albedo);

@@ -1,9 +1,9 @@
 //! What can be asked for.
 
-use crate::values;
+use crate::values::{self, Way};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use glam::Vec3;
-use lightoven::baker::{Bounces, Sampling, Stop};
+use lightoven::baker::{Bounces, Stop};
 use lightoven::gpu::BackendChoice;
 use lightoven::headless::{HeadlessSettings, Validation};
 use lightoven::io::gltf::SidednessChoice;
@@ -57,8 +57,8 @@ pub(crate) struct Bake {
     #[arg(long, value_name = "auto|N", default_value = "auto", value_parser = values::bounces, allow_negative_numbers = true)]
     pub(crate) bounces: Bounces,
     /// Which way rays are sent: auto, cosine, importance, or mixture=A with the cosine's share A, 0.1 to 1
-    #[arg(long, value_name = "auto|cosine|importance|mixture[=A]", default_value = "auto", value_parser = values::sampling, allow_hyphen_values = true)]
-    pub(crate) sampling: Sampling,
+    #[arg(long, value_name = "auto|cosine|importance|mixture[=A][:power|distance|visibility]", default_value = "auto", value_parser = values::way, allow_hyphen_values = true)]
+    pub(crate) sampling: Way,
     /// Seed of the random numbers: the same seed on the same device gives the same light map for --samples
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = values::seed, allow_negative_numbers = true)]
     pub(crate) seed: u64,
@@ -142,8 +142,8 @@ pub(crate) struct Variance {
     #[command(flatten)]
     pub(crate) how: SceneArguments,
     /// Ways of sampling, as `lightoven bake` takes them; the others are compared with the first
-    #[arg(long, value_name = "A,B,..", default_value = "cosine,auto", value_delimiter = ',', value_parser = values::sampling, allow_hyphen_values = true)]
-    pub(crate) sampling: Vec<Sampling>,
+    #[arg(long, value_name = "A,B,..", default_value = "cosine,auto", value_delimiter = ',', value_parser = values::way, allow_hyphen_values = true)]
+    pub(crate) sampling: Vec<Way>,
     /// Samples a texel of each bake, rounded up to a multiple of 64
     #[arg(long, value_name = "N", default_value_t = 256, value_parser = values::few_samples, allow_negative_numbers = true)]
     pub(crate) samples: u32,

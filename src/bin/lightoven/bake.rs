@@ -32,7 +32,8 @@ pub(crate) fn run(arguments: &Bake, start: Instant) -> Result<Ending> {
     let settings = BakeSettings {
         resolution: arguments.how.resolution(),
         bounces: arguments.bounces,
-        sampling: arguments.sampling,
+        sampling: arguments.sampling.sampling,
+        aimed_by: arguments.sampling.aimed_by,
         seed: arguments.seed,
         ..BakeSettings::default()
     };

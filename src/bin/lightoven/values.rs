@@ -2,7 +2,7 @@
 
 use crate::arguments::SkyArgument;
 use glam::Vec3;
-use lightoven::baker::{Bounces, Sampling, Stop};
+use lightoven::baker::{AimedBy, Bounces, Sampling, Stop};
 use lightoven::scene::atlas::MAX_RESOLUTION;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
@@ -66,8 +66,31 @@ pub(crate) fn bounces(text: &str) -> Result<Bounces, String> {
     }
 }
 
+/// Which way rays are sent.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Way {
+    pub(crate) sampling: Sampling,
+    pub(crate) aimed_by: AimedBy,
+}
+
+/// `auto`, `mixture=0.25`, `auto:power`.
+pub(crate) fn way(text: &str) -> Result<Way, String> {
+    let Some((before, after)) = text.split_once(':') else {
+        return Ok(Way { sampling: sampling(text)?, aimed_by: AimedBy::default() });
+    };
+    let aimed_by = AIMED_BY.iter().find(|(_, name)| *name == after).map(|(aimed_by, _)| *aimed_by);
+    let sampling = sampling(before)?;
+    let aimed_by = aimed_by.filter(|_| sampling != Sampling::Cosine);
+    aimed_by
+        .map(|aimed_by| Way { sampling, aimed_by })
+        .ok_or_else(|| "allowed after a colon is power, distance or visibility, where rays are aimed".into())
+}
+
+const AIMED_BY: [(AimedBy, &str); 3] =
+    [(AimedBy::Power, "power"), (AimedBy::Distance, "distance"), (AimedBy::Visibility, "visibility")];
+
 /// A mixture without a share has one half.
-pub(crate) fn sampling(text: &str) -> Result<Sampling, String> {
+fn sampling(text: &str) -> Result<Sampling, String> {
     let allowed = || {
         let least = Sampling::LEAST_COSINE;
         format!("allowed is auto, cosine, importance, mixture, or mixture=A with A from {least} to 1")
@@ -85,13 +108,20 @@ pub(crate) fn sampling(text: &str) -> Result<Sampling, String> {
     }
 }
 
-/// As it is written on the command line.
-pub(crate) fn sampling_name(sampling: Sampling) -> String {
-    match sampling {
-        Sampling::Auto => "auto".into(),
-        Sampling::Cosine => "cosine".into(),
-        Sampling::Importance => "importance".into(),
-        Sampling::Mixture { cosine } => format!("mixture={cosine}"),
+impl Way {
+    /// As it is written on the command line.
+    pub(crate) fn name(self) -> String {
+        let name = match self.sampling {
+            Sampling::Auto => "auto".into(),
+            Sampling::Cosine => "cosine".into(),
+            Sampling::Importance => "importance".into(),
+            Sampling::Mixture { cosine } => format!("mixture={cosine}"),
+        };
+        let aimed_by = AIMED_BY.iter().find(|(aimed_by, _)| *aimed_by == self.aimed_by);
+        match aimed_by {
+            Some((aimed_by, after)) if *aimed_by != AimedBy::default() => format!("{name}:{after}"),
+            _ => name,
+        }
     }
 }
 
@@ -158,9 +188,11 @@ mod tests {
         assert_eq!((samples("1"), resolution("16384"), error("1")), (Ok(1), Ok(16384), Ok(1.0)));
         assert!(matches!(bounces("0"), Ok(Bounces::Limit(0))) && matches!(bounces("auto"), Ok(Bounces::Auto)));
         assert_eq!(sampling("mixture=0.25"), Ok(Sampling::Mixture { cosine: 0.25 }));
-        for name in ["auto", "cosine", "importance", "mixture=0.25"] {
-            assert_eq!(sampling(name).map(sampling_name), Ok(name.to_owned()));
+        for name in ["auto", "cosine", "importance", "mixture=0.25", "auto:power", "mixture=0.5:distance"] {
+            assert_eq!(way(name).map(Way::name), Ok(name.to_owned()));
         }
+        assert_eq!(way("auto:visibility"), way("auto"));
+        assert!(["auto:", "auto:x", ":power", "cosine:power", "auto:power:power"].iter().all(|bad| way(bad).is_err()));
         assert!(
             ["", "mixture=", "mixture=0", "mixture=nan", "mixture=1.01", "Cosine"]
                 .iter()

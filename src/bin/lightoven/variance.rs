@@ -4,8 +4,9 @@ use crate::arguments::Variance;
 use crate::noise::{Noise, Reference, Sums};
 use crate::progress::{Bar, Visibility};
 use crate::report::write_json;
-use crate::{Ending, device, interrupt, load, messages, paths, values};
-use lightoven::baker::{BakeSettings, Baker, LightMap, Outcome, Sampling, Statistics, Stop};
+use crate::values::Way;
+use crate::{Ending, device, interrupt, load, messages, paths};
+use lightoven::baker::{AimedBy, BakeSettings, Baker, LightMap, Outcome, Sampling, Statistics, Stop};
 use lightoven::gpu::Gpu;
 use lightoven::scene::Scene;
 use lightoven::{Error, ErrorKind, Result};
@@ -15,6 +16,7 @@ use std::ops::ControlFlow;
 
 /// The bakes that are measured have seeds from 1 on.
 const REFERENCE_SEED: u64 = 0;
+const REFERENCE: Way = Way { sampling: Sampling::Auto, aimed_by: AimedBy::Visibility };
 
 /// Bakes a reference and all the others, says how they differ.
 pub(crate) fn run(arguments: &Variance) -> Result<Ending> {
@@ -54,7 +56,7 @@ struct Bench<'a> {
 /// Which bake of all.
 struct Task {
     name: String,
-    sampling: Sampling,
+    way: Way,
     seed: u64,
     samples: u32,
 }
@@ -68,14 +70,14 @@ impl Bench<'_> {
     /// `None` when it was interrupted.
     fn measure(&mut self) -> Result<Option<Report>> {
         let samples = self.arguments.reference_samples;
-        let task = Task { name: "reference".into(), sampling: Sampling::Auto, seed: REFERENCE_SEED, samples };
+        let task = Task { name: "reference".into(), way: REFERENCE, seed: REFERENCE_SEED, samples };
         let Some(Baked { light_map, statistics }) = self.bake(task)? else { return Ok(None) };
         let Some(reference) = Reference::new(&light_map.pixels) else {
             return Err(self.nothing_counts("no texel of the reference is lit"));
         };
         let mut rows: Vec<Row> = Vec::new();
-        for sampling in &self.arguments.sampling {
-            let Some(row) = self.row(*sampling, &reference, rows.first())? else { return Ok(None) };
+        for way in &self.arguments.sampling {
+            let Some(row) = self.row(*way, &reference, rows.first())? else { return Ok(None) };
             rows.push(row);
         }
         let samples = rows.first().map_or(0.0, |row| row.samples_per_texel);
@@ -99,12 +101,12 @@ impl Bench<'_> {
     }
 
     /// All seeds of one way of sampling; `first` is the row to compare with, or none for that row itself.
-    fn row(&mut self, sampling: Sampling, reference: &Reference, first: Option<&Row>) -> Result<Option<Row>> {
-        let (name, seeds) = (values::sampling_name(sampling), self.arguments.seeds);
+    fn row(&mut self, way: Way, reference: &Reference, first: Option<&Row>) -> Result<Option<Row>> {
+        let (name, seeds) = (way.name(), self.arguments.seeds);
         let (mut sums, mut samples, mut rays, mut seconds) = (Sums::new(reference), 0.0, 0, 0.0);
         for seed in 1..=seeds {
             let name = format!("{name} {seed}/{seeds}");
-            let task = Task { name, sampling, seed: seed.into(), samples: self.arguments.samples };
+            let task = Task { name, way, seed: seed.into(), samples: self.arguments.samples };
             let Some(Baked { light_map, statistics }) = self.bake(task)? else { return Ok(None) };
             sums.add(&light_map.pixels);
             samples = statistics.samples_per_texel;
@@ -134,7 +136,8 @@ impl Bench<'_> {
         let settings = BakeSettings {
             resolution: how.resolution(),
             bounces: *bounces,
-            sampling: task.sampling,
+            sampling: task.way.sampling,
+            aimed_by: task.way.aimed_by,
             seed: task.seed,
             ..BakeSettings::default()
         };

@@ -1,6 +1,6 @@
 //! Reflects every compiled module and compares it with what the host writes, in both directions.
 
-use super::{Answer, Light, Material, Piece, Primitive, Push, Texcoords, TracedRay, binding};
+use super::{Answer, Cluster, Light, Material, Piece, Primitive, Push, Texcoords, TracedRay, binding};
 use crate::bvh::{InstanceRecord, Node, Triangle};
 use crate::gpu::pipeline::Constants;
 use spirq::ReflectConfig;
@@ -37,7 +37,8 @@ fn host_structs() -> Vec<HostStruct> {
         host_struct!("Triangle", Triangle { corners }),
         host_struct!("Primitive", Primitive { uvs, normals, material, flags, sheet }),
         host_struct!("Material", Material { albedo, emission }),
-        host_struct!("Piece", Piece { instance, primitive }),
+        host_struct!("Cluster", Cluster { centre, spread, axis, even, power, first, count }),
+        host_struct!("Piece", Piece { instance, primitive, lo, hi }),
         host_struct!(
             "Instance",
             InstanceRecord { object_to_world, world_to_object, root, first_primitive, flags, atlas }
@@ -131,6 +132,12 @@ fn host_bindings() -> BTreeMap<u32, BTreeSet<Kind>> {
         (binding::PIECES_MAP, vec![image("R32ui")]),
         (binding::PIECES, vec![storage("Piece")]),
         (binding::AIMED_LUMINANCE, vec![image("R32f")]),
+        (binding::CLUSTERS, vec![storage("Cluster")]),
+        (binding::CLUSTER_TEXELS, vec![storage("u32")]),
+        (binding::CLUSTER_SUMS, vec![storage("f32")]),
+        (binding::SEATS, vec![image("R32ui")]),
+        (binding::VISIBILITY, vec![storage("f32")]),
+        (binding::SIGHTINGS, vec![storage("u32")]),
     ];
     bindings.into_iter().map(|(binding, kinds)| (binding, kinds.into_iter().collect())).collect()
 }

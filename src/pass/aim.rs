@@ -1,0 +1,91 @@
+//! What rays are aimed by, made as a whole or in parts: the leaves, and above them the clusters or the mip-map of sums.
+
+use super::{Clusters, Context, Importance};
+use crate::error::Result;
+use crate::features::Features;
+use crate::gpu::Recorder;
+use crate::gpu::layout::Push;
+use crate::pass::importance::ImportanceSums;
+use std::ops::Range;
+
+pub(crate) struct Aim {
+    leaves: Importance,
+    clusters: Option<Clusters>,
+}
+
+impl Aim {
+    /// Nothing, where no rays are aimed.
+    pub(crate) fn new(context: Context<'_>) -> Result<Option<Self>> {
+        let features = Features::from_bits_retain(context.constants.features);
+        if !features.contains(Features::IMPORTANCE) {
+            return Ok(None);
+        }
+        let clusters = features.contains(Features::CLUSTERS).then(|| Clusters::new(context)).transpose()?;
+        Ok(Some(Self { leaves: Importance::new(context)?, clusters }))
+    }
+
+    /// On nothing: drivers that compile at the first use do so here. `push`: of a map of no texels.
+    pub(crate) fn record_first_use(&self, recorder: &mut Recorder<'_>, push: &Push) {
+        self.leaves.record_leaves(recorder, push, 0, 0..1, true);
+        if let Some(clusters) = &self.clusters {
+            clusters.record(recorder, push, 0..1);
+            clusters.record_visibility(recorder, push, 0..0);
+        }
+    }
+
+    /// Parts that [`Aim::record`] may be cut into: rows of leaves, then as many parts of the clusters, which hold the same
+    /// texels.
+    pub(crate) fn parts(&self) -> u32 {
+        let rows = self.leaves.rows();
+        if self.clusters.is_some() { 2 * rows } else { rows }
+    }
+
+    /// Records some parts, in order; with the last one also what is made of all. `source`: which map is read; `sums`:
+    /// whether the leaves are summed up for the host, which else may be reading.
+    pub(crate) fn record(
+        &self,
+        recorder: &mut Recorder<'_>,
+        push: &Push,
+        source: usize,
+        parts: Range<u32>,
+        sums: bool,
+    ) {
+        let rows = self.leaves.rows();
+        let of_leaves = parts.start.min(rows)..parts.end.min(rows);
+        if !of_leaves.is_empty() {
+            self.leaves.record_leaves(recorder, push, source, of_leaves, sums);
+        }
+        let is_last = parts.end == self.parts();
+        let Some(clusters) = &self.clusters else {
+            if is_last {
+                self.leaves.record_levels(recorder, push);
+            }
+            return;
+        };
+        // Parts begin and end where clusters do.
+        let cluster =
+            |part: u32| (u64::from(part.saturating_sub(rows)) * u64::from(clusters.count()) / u64::from(rows)) as u32;
+        let of_clusters = cluster(parts.start)..cluster(parts.end);
+        if !of_clusters.is_empty() {
+            clusters.record(recorder, push, of_clusters);
+        }
+        if is_last {
+            clusters.record_visibility(recorder, push, 0..clusters.entries());
+        }
+    }
+
+    /// Records the sky's pyramid, where there is a map.
+    pub(crate) fn record_sky(&self, recorder: &mut Recorder<'_>, push: &Push) {
+        self.leaves.record_sky(recorder, push);
+    }
+
+    /// What the leaves summed up, after they have run. `texels`: that take rays.
+    pub(crate) fn read_sums(&self, texels: u32) -> ImportanceSums {
+        self.leaves.read_sums(texels)
+    }
+
+    /// One in so many texels tells what it sees.
+    pub(crate) fn tells_every(&self) -> u32 {
+        self.clusters.as_ref().map_or(1, Clusters::tells_every)
+    }
+}

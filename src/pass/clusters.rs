@@ -1,0 +1,216 @@
+//! Clusters of source texels that rays are aimed by, and what groups of texels have seen of them. Reads the surface map and
+//! the pyramid's leaves; writes the clusters and the leaves' sums within each. One work group a cluster. What was seen is
+//! read and turned into shares by one invocation for each group and cluster.
+
+use super::{Context, DeviceScene};
+use crate::bvh::Bvh;
+use crate::clusters::{Clusters as Layout, MOST_CLUSTERS, Site};
+use crate::error::Result;
+use crate::gpu::layout::{self, Push, binding};
+use crate::gpu::{
+    BindingSet, Buffer, BufferDesc, CLUSTERS, Commands, ComputePipeline, Image, ImageDesc, Location, Recorder,
+    Resource, VISIBILITY,
+};
+use ash::vk;
+use bytemuck::Zeroable;
+use glam::{Vec2, Vec3};
+use std::ops::Range;
+
+/// Bits of a texel's seat that name its cluster; those above, its group.
+const CLUSTER_BITS: u32 = 10;
+const _: () = assert!(MOST_CLUSTERS <= 1 << CLUSTER_BITS);
+/// Where each texel sits.
+pub(super) const SEATS: vk::Format = vk::Format::R32_UINT;
+
+/// Source texels in clusters, on the device; of a scene in which no rays are aimed so, next to nothing.
+pub(crate) struct Sources {
+    pub(super) clusters: Buffer,
+    /// `[place]`: texels, cluster by cluster.
+    pub(super) texels: Buffer,
+    /// `[place]`: sum of the leaves of its cluster up to and with this one.
+    pub(super) sums: Buffer,
+    /// `[texel]`: group and cluster.
+    pub(super) seats: Image,
+    /// `[group][cluster]`: what an aimed ray is worth for being seen.
+    pub(super) visibility: Buffer,
+    /// `[group][cluster]`: rays aimed, and above them those that found their aim.
+    pub(super) sightings: Buffer,
+    cluster_count: u32,
+    group_count: u32,
+    /// One in so many texels tells what it sees, so that counts do not overflow.
+    tells_every: u32,
+}
+
+impl Sources {
+    pub(super) fn seats(&self) -> &Image {
+        &self.seats
+    }
+
+    /// Of no texels, for bindings need something behind them.
+    pub(super) fn none(commands: &mut Commands) -> Result<Self> {
+        Self::upload(commands, &Layout::default(), &[], [1, 1])
+    }
+
+    /// `surfaces`: the g-buffer's.
+    pub(crate) fn new(
+        commands: &mut Commands,
+        bvh: &Bvh,
+        scene: &DeviceScene,
+        size: [u32; 2],
+        surfaces: &[[u32; 4]],
+    ) -> Result<Self> {
+        let (texels, sites) = sites_of(bvh, scene, size, surfaces);
+        let layout = Layout::of(&sites);
+        let places: Vec<u32> = layout.order.iter().map(|site| texels[*site as usize]).collect();
+        Self::upload(commands, &layout, &places, size)
+    }
+
+    /// `places`: texels, cluster by cluster.
+    fn upload(commands: &mut Commands, layout: &Layout, places: &[u32], size: [u32; 2]) -> Result<Self> {
+        let cluster = |range: &Range<u32>| layout::Cluster {
+            first: range.start,
+            count: range.end - range.start,
+            ..layout::Cluster::zeroed()
+        };
+        let clusters: Vec<layout::Cluster> = layout.clusters.iter().map(cluster).collect();
+        let seats = seats_of(layout, places, size);
+        let table = vec![0_u32; layout.clusters.len() * layout.groups.len()];
+        let (format, usage) = (SEATS, vk::ImageUsageFlags::STORAGE);
+        let desc = ImageDesc { name: "seats", size, format, usage, mip_levels: 1 };
+        Ok(Self {
+            clusters: upload(commands, "clusters", &clusters)?,
+            sums: upload(commands, "sums within clusters", &vec![0.0_f32; places.len()])?,
+            texels: upload(commands, "texels of clusters", places)?,
+            seats: commands.upload_image(desc, &seats)?,
+            visibility: upload(commands, "visibility", &vec![1.0_f32; table.len()])?,
+            sightings: upload(commands, "sightings", &table)?,
+            cluster_count: clusters.len() as u32,
+            group_count: layout.groups.len() as u32,
+            tells_every: layout.group_sites.div_ceil(SITES_THAT_TELL).max(1),
+        })
+    }
+}
+
+/// Texels of a group that tell what they see, about.
+const SITES_THAT_TELL: u32 = 128;
+
+fn upload<T: bytemuck::Pod>(commands: &mut Commands, name: &str, data: &[T]) -> Result<Buffer> {
+    let (size, usage) = (size_of_val(data) as u64, vk::BufferUsageFlags::STORAGE_BUFFER);
+    commands.upload(BufferDesc { name, size, usage, location: Location::Device }, data)
+}
+
+/// Texels that lie on a surface, as x | y << 16, and where that is.
+fn sites_of(bvh: &Bvh, scene: &DeviceScene, size: [u32; 2], surfaces: &[[u32; 4]]) -> (Vec<u32>, Vec<Site>) {
+    let mut texels = Vec::new();
+    let mut sites = Vec::new();
+    for (texel, [owner, primitive, b1, b2]) in surfaces.iter().enumerate() {
+        let Some(instance) = owner.checked_sub(1) else { continue };
+        let (x, y) = (texel as u32 % size[0], texel as u32 / size[0]);
+        texels.push(x | y << 16);
+        let barycentrics = Vec2::new(f32::from_bits(*b1), f32::from_bits(*b2));
+        sites.push(site_of(bvh, scene, instance, *primitive, barycentrics));
+    }
+    (texels, sites)
+}
+
+fn site_of(bvh: &Bvh, scene: &DeviceScene, instance: u32, primitive: u32, barycentrics: Vec2) -> Site {
+    let record = &bvh.instances[instance as usize];
+    let corner = |corner: &[f32; 4]| {
+        let point = Vec3::from_slice(corner).extend(1.0);
+        Vec3::from(record.object_to_world.map(|row| glam::Vec4::from(row).dot(point)))
+    };
+    let [v0, v1, v2] = [0, 1, 2].map(|i| corner(&bvh.triangles[primitive as usize].corners[i]));
+    let (e1, e2) = (v1 - v0, v2 - v0);
+    let encoded = &scene.host_primitives[primitive as usize];
+    let [t0, t1, t2] = encoded.uvs.map(|[u, v]| Vec2::new(u * record.atlas[0], v * record.atlas[1]));
+    let area = e1.cross(e2).length() / (t1 - t0).perp_dot(t2 - t0).abs();
+    let [r, g, b] = scene.radiators.materials[encoded.material as usize].emission;
+    let luminance = 0.2126 * r + 0.7152 * g + 0.0722 * b;
+    let finite = |value: f32| if value.is_finite() { value } else { 0.0 };
+    let movable = record.flags & crate::bvh::InstanceRecord::MOVABLE != 0;
+    Site {
+        position: v0 + e1 * barycentrics.x + e2 * barycentrics.y,
+        normal: e1.cross(e2).normalize_or_zero(),
+        area: finite(area),
+        power: finite(area * luminance),
+        body: if movable { instance + 1 } else { 0 },
+    }
+}
+
+/// `[texel]`: its cluster, and its group above.
+fn seats_of(layout: &Layout, places: &[u32], [width, height]: [u32; 2]) -> Vec<u32> {
+    let mut seats = vec![0; width as usize * height as usize];
+    let mut seat = |range: &Range<u32>, bits: u32| {
+        for texel in &places[range.start as usize..range.end as usize] {
+            seats[(texel >> 16) as usize * width as usize + (texel & 0xffff) as usize] |= bits;
+        }
+    };
+    layout.clusters.iter().enumerate().for_each(|(index, range)| seat(range, index as u32));
+    layout.groups.iter().enumerate().for_each(|(index, range)| seat(range, (index as u32) << CLUSTER_BITS));
+    seats
+}
+
+pub(crate) struct Clusters {
+    pipeline: ComputePipeline,
+    set: BindingSet,
+    visibility: ComputePipeline,
+    visibility_set: BindingSet,
+    count: u32,
+    entries: u32,
+    tells_every: u32,
+}
+
+impl Clusters {
+    pub(crate) fn new(context: Context<'_>) -> Result<Self> {
+        let (maps, sources) = (context.maps, &context.maps.sources);
+        let mut resources = context.scene.surface_resources();
+        resources.extend([
+            (binding::SURFACE, Resource::StorageImage(&maps.surface)),
+            (binding::AIMED_LUMINANCE, Resource::StorageImage(&maps.aimed_luminance)),
+            (binding::PIECES_MAP, Resource::StorageImage(&maps.pieces)),
+            (binding::PIECES, Resource::Storage(&context.scene.pieces)),
+            (binding::CLUSTERS, Resource::Storage(&sources.clusters)),
+            (binding::CLUSTER_TEXELS, Resource::Storage(&sources.texels)),
+            (binding::CLUSTER_SUMS, Resource::Storage(&sources.sums)),
+        ]);
+        let pipeline = ComputePipeline::new(context.gpu, &CLUSTERS, context.constants, &resources)?;
+        let set = pipeline.bind(&resources)?;
+        let tables = [
+            (binding::SIGHTINGS, Resource::Storage(&sources.sightings)),
+            (binding::VISIBILITY, Resource::Storage(&sources.visibility)),
+        ];
+        let visibility = ComputePipeline::new(context.gpu, &VISIBILITY, context.constants, &tables)?;
+        let visibility_set = visibility.bind(&tables)?;
+        let (count, entries) = (sources.cluster_count, sources.cluster_count * sources.group_count);
+        let tells_every = sources.tells_every;
+        Ok(Self { pipeline, set, visibility, visibility_set, count, entries, tells_every })
+    }
+
+    /// Clusters, which [`Clusters::record`] may be cut into.
+    pub(crate) fn count(&self) -> u32 {
+        self.count
+    }
+
+    /// Entries of the tables, which [`Clusters::record_visibility`] may be cut into.
+    pub(crate) fn entries(&self) -> u32 {
+        self.entries
+    }
+
+    /// One in so many texels tells what it sees, so that counts do not overflow.
+    pub(crate) fn tells_every(&self) -> u32 {
+        self.tells_every
+    }
+
+    /// Records the sums of these clusters, once the leaves are whole.
+    pub(crate) fn record(&self, recorder: &mut Recorder<'_>, push: &Push, clusters: Range<u32>) {
+        let push = Push { first_level: clusters.start, ..*push };
+        let groups = [clusters.end - clusters.start, 1];
+        recorder.dispatch(&self.pipeline, &self.set, &push, groups, c"clusters");
+    }
+
+    /// Records what has been learned of visibility since the last time.
+    pub(crate) fn record_visibility(&self, recorder: &mut Recorder<'_>, push: &Push, entries: Range<u32>) {
+        let push = Push { first_texel: entries.start, texel_count: entries.end - entries.start, ..*push };
+        recorder.dispatch(&self.visibility, &self.visibility_set, &push, super::groups_of(&push), c"visibility");
+    }
+}
