@@ -14,6 +14,8 @@ const FONT: (&str, i32) = ("sans-serif", 15);
 const TITLE: (&str, i32) = ("sans-serif", 18);
 /// Tick marks that are asked for: enough for every whole number times a power of ten.
 const TICKS: usize = 40;
+/// Share of both axes that the legend may take.
+const LEGEND: f64 = 0.4;
 
 /// Colours that are told apart with any eyes (Okabe and Ito), without the yellow, which is pale on white.
 const COLOURS: [RGBColor; 6] = [
@@ -85,7 +87,7 @@ fn draw_on(area: &Area<'_>, report: &Report) -> Drawn {
     }
     chart
         .configure_series_labels()
-        .position(SeriesLabelPosition::LowerLeft)
+        .position(legend_corner(report, &times, &errors))
         .background_style(WHITE.mix(0.85))
         .border_style(BLACK.mix(0.4))
         .label_font(FONT)
@@ -128,6 +130,16 @@ fn dashed(chart: &mut Chart<'_>, ends: [(f64, f64); 2], colour: RGBAColor, dash:
         .label(label)
         .legend(move |(x, y)| DashedPathElement::new([(x, y), (x + 20, y)], dash, dash, style));
     Ok(())
+}
+
+/// Where fewer points would be hidden: errors that fall leave both corners free.
+fn legend_corner(report: &Report, times: &Range<f64>, errors: &Range<f64>) -> SeriesLabelPosition {
+    // 0 to 1 along an axis.
+    let place = |value: f64, range: &Range<f64>| (value / range.start).ln() / (range.end / range.start).ln();
+    let places = || report.variants.iter().flat_map(points).map(|(x, y)| (place(x, times), place(y, errors)));
+    let lower_left = places().filter(|(x, y)| *x < LEGEND && *y < LEGEND).count();
+    let upper_right = places().filter(|(x, y)| *x > 1.0 - LEGEND && *y > 1.0 - LEGEND).count();
+    if upper_right <= lower_left { SeriesLabelPosition::UpperRight } else { SeriesLabelPosition::LowerLeft }
 }
 
 /// What can be drawn on logarithmic axes.
@@ -196,6 +208,17 @@ mod tests {
         for rows in [vec![], vec![row(1.0, 0.0, None)], vec![row(1.0, 0.5, None)]] {
             assert!(draw(&report(rows)).expect("can be drawn").ends_with("</svg>\n"));
         }
+    }
+
+    #[test]
+    fn the_legend_goes_where_no_points_are() {
+        let corner = |rows: &[(f64, f64)]| {
+            let found = report(rows.iter().map(|(seconds, relmse)| row(*seconds, *relmse, None)).collect());
+            legend_corner(&found, &(0.1..10.0), &(1e-4..1.0))
+        };
+        assert!(matches!(corner(&[(0.1, 1.0), (1.0, 1e-2), (10.0, 1e-4)]), SeriesLabelPosition::UpperRight));
+        assert!(matches!(corner(&[(0.2, 1e-3), (10.0, 1e-4)]), SeriesLabelPosition::UpperRight));
+        assert!(matches!(corner(&[(0.1, 1.0), (10.0, 0.5)]), SeriesLabelPosition::LowerLeft));
     }
 
     #[test]
