@@ -3,7 +3,8 @@
 use super::report::{Floor, Report, Variant};
 use crate::report::write_text;
 use lightoven::{Error, ErrorKind, Result};
-use plotters::coord::{Shift, combinators::LogCoord};
+use plotters::coord::Shift;
+use plotters::coord::combinators::{LogCoord, WithKeyPoints};
 use plotters::element::DashedPathElement;
 use plotters::prelude::*;
 use std::ops::Range;
@@ -12,8 +13,6 @@ use std::path::Path;
 const SIZE: (u32, u32) = (1000, 700);
 const FONT: (&str, i32) = ("sans-serif", 15);
 const TITLE: (&str, i32) = ("sans-serif", 18);
-/// Tick marks that are asked for: enough for every whole number times a power of ten.
-const TICKS: usize = 40;
 /// Share of both axes that the legend may take.
 const LEGEND: f64 = 0.4;
 
@@ -29,7 +28,8 @@ const COLOURS: [RGBColor; 6] = [
 const GREY: RGBColor = RGBColor(110, 110, 110);
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-type Chart<'a> = ChartContext<'a, SVGBackend<'a>, Cartesian2d<LogCoord<f64>, LogCoord<f64>>>;
+type Chart<'a> =
+    ChartContext<'a, SVGBackend<'a>, Cartesian2d<WithKeyPoints<LogCoord<f64>>, WithKeyPoints<LogCoord<f64>>>>;
 type Drawn = std::result::Result<(), Box<dyn std::error::Error>>;
 
 /// Writes the plot.
@@ -57,17 +57,15 @@ fn draw_on(area: &Area<'_>, report: &Report) -> Drawn {
         .margin(12)
         .x_label_area_size(46)
         .y_label_area_size(76)
-        .build_cartesian_2d(times.clone().log_scale(), errors.clone().log_scale())?;
+        .build_cartesian_2d(axis(&times), axis(&errors))?;
     chart
         .configure_mesh()
         .x_desc("seconds of baking")
         .y_desc("relMSE against the reference")
         .label_style(FONT)
         .axis_desc_style(FONT)
-        .x_labels(TICKS)
-        .y_labels(TICKS)
-        .x_label_formatter(&|value| tick(*value, &times))
-        .y_label_formatter(&|value| tick(*value, &errors))
+        .x_label_formatter(&|value| label(*value))
+        .y_label_formatter(&|value| label(*value))
         .bold_line_style(BLACK.mix(0.12))
         .light_line_style(WHITE.mix(0.0))
         .draw()?;
@@ -165,17 +163,25 @@ fn range(values: impl Iterator<Item = f64>, room: f64) -> Range<f64> {
     if low <= high { low / room..high * room } else { 0.1..10.0 }
 }
 
-/// 1, 2 and 5 times a power of ten, or the powers alone where there are many; nothing for what is in between.
-fn tick(value: f64, range: &Range<f64>) -> String {
-    let power = (value.log10() + 1e-9).floor();
-    let digit = (value / 10.0_f64.powf(power)).round();
-    let decades = (range.end / range.start).log10();
-    let shown: &[f64] = if decades > 3.0 { &[1.0] } else { &[1.0, 2.0, 5.0] };
-    match power as i32 {
-        _ if !shown.contains(&digit) => String::new(),
-        -2..=3 => format!("{}", digit * 10.0_f64.powf(power)),
-        power => format!("{digit}e{power}"),
-    }
+/// Logarithmic, with marks of our own: plotters' own begin at the first power of ten.
+fn axis(range: &Range<f64>) -> WithKeyPoints<LogCoord<f64>> {
+    range.clone().log_scale().with_key_points(ticks(range))
+}
+
+/// 1, 2 and 5 times the powers of ten, or the powers alone where there are many.
+fn ticks(range: &Range<f64>) -> Vec<f64> {
+    let digits: &[f64] = if range.end / range.start > 1e3 { &[1.0] } else { &[1.0, 2.0, 5.0] };
+    let powers = range.start.log10().floor() as i32..=range.end.log10().ceil() as i32;
+    let all = powers.flat_map(|power| digits.iter().map(move |digit| digit * 10.0_f64.powi(power)));
+    all.filter(|value| range.contains(value)).collect()
+}
+
+/// Of such a mark.
+fn label(value: f64) -> String {
+    let power = (value.log10() + 1e-9).floor() as i32;
+    let digit = (value / 10.0_f64.powi(power)).round();
+    let places = usize::try_from(-power).unwrap_or_default();
+    if (-2..=3).contains(&power) { format!("{value:.places$}") } else { format!("{digit}e{power}") }
 }
 
 #[cfg(test)]
@@ -222,9 +228,11 @@ mod tests {
     }
 
     #[test]
-    fn ticks_have_room() {
-        let shown = |values: &[f64], range: Range<f64>| values.iter().map(|v| tick(*v, &range)).collect::<Vec<_>>();
-        assert_eq!(shown(&[0.1, 0.2, 0.3, 0.5, 1.0, 20.0], 0.1..20.0), ["0.1", "0.2", "", "0.5", "1", "20"]);
-        assert_eq!(shown(&[1e-5, 2e-5, 1e-3, 0.01, 10.0], 1e-5..10.0), ["1e-5", "", "1e-3", "0.01", "10"]);
+    fn marks_begin_and_end_within_the_range() {
+        let labels = |range: Range<f64>| ticks(&range).into_iter().map(label).collect::<Vec<_>>();
+        assert_eq!(labels(0.109..3.0), ["0.2", "0.5", "1", "2"]);
+        assert_eq!(labels(0.015..0.06), ["0.02", "0.05"]);
+        assert_eq!(labels(2e-5..300.0), ["1e-4", "1e-3", "0.01", "0.1", "1", "10", "100"]);
+        assert_eq!(labels(3e3..7e5), ["5000", "1e4", "2e4", "5e4", "1e5", "2e5", "5e5"]);
     }
 }
