@@ -5,12 +5,13 @@
 mod device;
 
 use device::on_both_back_ends;
-use lightoven::baker::{BakeSettings, Baker, LightMap, Sampling, Slice, Stop};
+use lightoven::baker::{BakeSettings, Baker, LightMap, Outcome, Progress, Sampling, Slice, Stop};
 use lightoven::gpu::Gpu;
 use lightoven::io::gltf::{self, ReadSettings};
 use lightoven::scene::{Resolution, Scene, Sky, SkyMap};
 use std::ops::ControlFlow;
 use std::path::Path;
+use std::time::Duration;
 
 on_both_back_ends!(
     again,
@@ -19,6 +20,7 @@ on_both_back_ends!(
     another_seed,
     continued,
     read_twice,
+    watched,
     ended_at_once,
 );
 
@@ -127,6 +129,41 @@ fn read_twice(gpu: &Gpu) {
     let late = bits(&baker.read_back().unwrap());
     assert!(bits(&early) != late);
     assert!(bits(&bake(gpu, &[256], Slice::default(), 3).0) == late, "an earlier look changed the light map");
+}
+
+/// The clock of a bake that is watched runs on from call to call and stands still in between, and no early look warns of
+/// bounces that are still to come.
+fn watched(gpu: &Gpu) {
+    let settings = BakeSettings { resolution: Resolution::Texels(64), seed: 3, ..BakeSettings::default() };
+    let mut baker = Baker::new(gpu, &courtyard(), &settings).unwrap();
+    let mut clock = Duration::ZERO;
+    for stop in [Stop { time: Some(Duration::from_millis(1)), ..Stop::default() }, stop_at(64), stop_at(256)] {
+        let before = clock;
+        baker
+            .bake_until(&stop, &mut |progress| {
+                assert!(progress.elapsed > clock, "{:?} after {clock:?}", progress.elapsed);
+                clock = progress.elapsed;
+                ControlFlow::Continue(())
+            })
+            .unwrap();
+        assert!(clock > before);
+        baker.read_back().unwrap();
+    }
+    let warnings = &baker.statistics().warnings;
+    assert!(!warnings.iter().any(|warning| warning.contains("bounces")), "{warnings:?}");
+    let late = bits(&baker.read_back().unwrap());
+    assert!(bits(&bake(gpu, &[256], Slice::default(), 3).0) == late, "looking on the way changed the light map");
+    // All of that time is spent.
+    let spent = Stop { time: Some(clock), ..Stop::default() };
+    baker.bake_until(&spent, &mut |_| panic!("there is nothing left to do")).unwrap();
+    // Far more than a slice takes.
+    let pause = Duration::from_secs(2);
+    std::thread::sleep(pause);
+    let more = |progress: &Progress| {
+        assert!(progress.elapsed < clock + pause, "{:?} after {clock:?}: the clock ran on", progress.elapsed);
+        ControlFlow::Break(())
+    };
+    assert_eq!(baker.bake_until(&stop_at(512), &mut { more }).unwrap(), Outcome::Interrupted);
 }
 
 /// However early a bake is stopped, there is a light map: every texel has had the first few rays.

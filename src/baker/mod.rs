@@ -13,6 +13,7 @@ pub use crate::sampling::{AimedBy, Sampling, SamplingStatistics};
 pub use crate::schedule::Slice;
 pub use frames::{Clock, FrameId, FrameReport, FrameSettings, FrameTiming, Learning, MeasuredBy, Ran, Timing};
 pub use memory::{MemoryEstimate, estimate_memory};
+use progress::Stretch;
 pub use progress::{Outcome, Phase, Progress, Seconds, Statistics, Stop};
 
 use crate::error::{Error, Result};
@@ -149,8 +150,31 @@ impl Baker {
     /// `InvalidSettings` for a stop outside its range, or with [`Mode::Frames`]; `InvalidScene` where light grows without
     /// end; `DeviceLost`, `OutOfMemory` or `Driver` from the device.
     pub fn bake(&mut self, stop: &Stop, progress: &mut dyn FnMut(&Progress) -> ControlFlow<()>) -> Result<Outcome> {
+        self.bake_stretch(stop, Stretch::Whole, progress)
+    }
+
+    /// [`Baker::bake`] for one that looks at the light map on the way: `stop.time` is what all calls take together, so that
+    /// the bake's clock stands still between them, and nothing is said of bounces that are missing, for the bake goes on.
+    /// The samples are those of a bake at a stretch.
+    ///
+    /// # Errors
+    /// As [`Baker::bake`].
+    pub fn bake_until(
+        &mut self,
+        stop: &Stop,
+        progress: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
+    ) -> Result<Outcome> {
+        self.bake_stretch(stop, Stretch::Part, progress)
+    }
+
+    fn bake_stretch(
+        &mut self,
+        stop: &Stop,
+        stretch: Stretch,
+        progress: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
+    ) -> Result<Outcome> {
         match &mut self.running {
-            Running::Still(still) => still.bake(&mut self.core, stop, progress),
+            Running::Still(still) => still.bake(&mut self.core, stop, stretch, progress),
             Running::Frames(_) => {
                 Err(Error::settings("a baker with Mode::Frames does not bake at a stretch; Mode::Still does"))
             }

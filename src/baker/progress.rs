@@ -3,7 +3,7 @@
 use crate::epochs::Epoch;
 use crate::error::{Error, Result};
 use crate::sampling::SamplingStatistics;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// When a bake ends: at whichever comes first. With nothing set it goes on until it is interrupted.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -12,7 +12,7 @@ pub struct Stop {
     pub samples: Option<u32>,
     /// Estimated relative error of the irradiance, the root of relMSE; more than 0.
     pub error: Option<f32>,
-    /// Time from the call, bounce epochs included; more than 0.
+    /// Time from the call, bounce epochs included; more than 0. With [`super::Baker::bake_until`] that of all calls.
     pub time: Option<Duration>,
 }
 
@@ -23,6 +23,33 @@ pub enum Outcome {
     Finished,
     /// The progress callback broke it off.
     Interrupted,
+}
+
+/// What one call is of a bake.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Stretch {
+    /// All that the caller wants: time counts from the call.
+    Whole,
+    /// More is to come: time counts on.
+    Part,
+}
+
+/// The time that counts for a stop.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Clock {
+    started: Instant,
+    before: Duration,
+}
+
+impl Clock {
+    /// Runs from now on, and shows `before`.
+    pub(super) fn starting_at(before: Duration) -> Self {
+        Self { started: Instant::now(), before }
+    }
+
+    pub(super) fn elapsed(self) -> Duration {
+        self.before + self.started.elapsed()
+    }
 }
 
 /// What a bake is doing.
@@ -60,7 +87,7 @@ pub struct Progress {
     pub rays: u64,
     /// Million rays a second of baking.
     pub mrays_per_s: f64,
-    /// Time since the call.
+    /// Time since the call, or that of all calls, as [`Stop::time`] counts.
     pub elapsed: Duration,
     /// Root of relMSE as the half buffers tell it; `None` before there are two halves.
     pub estimated_error: Option<f32>,

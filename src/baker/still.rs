@@ -1,7 +1,7 @@
 //! The algorithm of a static bake, as a list of passes: bounces first, then samples that are kept.
 
 use super::aiming::{Aiming, Occasion};
-use super::progress::{Outcome, Progress, Stop};
+use super::progress::{Clock, Outcome, Progress, Stop, Stretch};
 use super::{BakeSettings, Core, LightMap};
 use crate::epochs::{Bounces, Epoch, Epochs};
 use crate::error::Result;
@@ -10,7 +10,7 @@ use crate::gpu::layout::Push;
 use crate::pass::{Bake, Context, Dilate, Direct, Resolve, ResolveSums, Source, SourceSums};
 use crate::schedule::{Pace, Sweep, Unit};
 use std::ops::ControlFlow;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// A static bake.
 pub(super) struct Still {
@@ -19,6 +19,8 @@ pub(super) struct Still {
     bounces: Bounces,
     pace: Pace,
     state: Option<State>,
+    /// What all calls took so far, but for the light maps at their ends.
+    baked: Duration,
 }
 
 struct Passes {
@@ -63,6 +65,7 @@ impl Still {
             bounces: settings.bounces,
             pace: Pace::new(settings.slice),
             state: None,
+            baked: Duration::ZERO,
         })
     }
 
@@ -70,19 +73,22 @@ impl Still {
         &mut self,
         core: &mut Core,
         stop: &Stop,
+        stretch: Stretch,
         progress: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
     ) -> Result<Outcome> {
         stop.check()?;
-        let clock = Instant::now();
+        let before = if stretch == Stretch::Part { self.baked } else { Duration::ZERO };
+        let clock = Clock::starting_at(before);
         let mut state = match self.state.take() {
             Some(state) => state,
             None => self.start(core)?,
         };
         // After an error the device is in no state to go on.
         let outcome = self.run(core, &mut state, stop, clock, progress)?;
+        self.baked += clock.elapsed() - before;
         self.resolve(core, &mut state)?;
         core.statistics.bounces_missing = state.epochs.missing() as f32;
-        if state.epoch == Epoch::Bounce && core.texels.count > 0 {
+        if stretch == Stretch::Whole && state.epoch == Epoch::Bounce && core.texels.count > 0 {
             let missing = state.epochs.missing();
             let share =
                 if missing.is_finite() { format!("{:.2} %", 100.0 * missing) } else { "an unknown part".into() };
@@ -142,7 +148,7 @@ impl Still {
         core: &mut Core,
         state: &mut State,
         stop: &Stop,
-        clock: Instant,
+        clock: Clock,
         progress: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
     ) -> Result<Outcome> {
         if state.covered && stop.reached(&core.statistics, clock.elapsed()) {

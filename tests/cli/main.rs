@@ -3,6 +3,7 @@
 mod bad_input;
 mod bake;
 mod compare;
+mod converge;
 mod support;
 mod usage;
 mod variance;

@@ -1,11 +1,12 @@
 //! The command line tool: bakes a glTF scene to an EXR light map, says what it would do, compares light maps, and measures
-//! the noise of ways of sampling.
+//! the noise of ways of sampling and how the error falls as a bake goes on.
 //!
 //! Exit codes: 0 done, 1 failed, 2 bad usage, 130 interrupted.
 
 mod arguments;
 mod bake;
 mod compare;
+mod converge;
 mod device;
 mod info;
 mod interrupt;
@@ -43,6 +44,7 @@ fn main() -> ExitCode {
         Command::Info(info) => info::run(info),
         Command::Compare(compare) => compare::run(compare),
         Command::Variance(variance) => variance::run(variance),
+        Command::Converge(converge) => converge::run(converge),
     };
     match result {
         Ok(Ending::Done) => ExitCode::SUCCESS,

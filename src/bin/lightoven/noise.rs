@@ -28,6 +28,16 @@ impl Reference {
     pub(crate) fn texels(&self) -> usize {
         self.counting.len()
     }
+
+    /// Texel and luminance of those that count.
+    pub(crate) fn counting(&self) -> &[(usize, f64)] {
+        &self.counting
+    }
+
+    /// What relMSE adds to a squared luminance.
+    pub(crate) fn floor(&self) -> f64 {
+        RELATIVE_MSE_FLOOR * self.mean.powi(2)
+    }
 }
 
 /// What bakes of one kind sum up to, for each texel that counts.
@@ -70,7 +80,7 @@ impl<'a> Sums<'a> {
 
     /// `None` where no texel is left; each bake had `samples` rays a texel.
     pub(crate) fn noise(&self, samples: f64) -> Option<Noise> {
-        let (bakes, floor) = (f64::from(self.bakes), RELATIVE_MSE_FLOOR * self.reference.mean.powi(2));
+        let (bakes, floor) = (f64::from(self.bakes), self.reference.floor());
         let values = self.reference.counting.iter().map(|(_, expected)| *expected);
         let finite: Vec<(f64, f64, f64)> = values
             .zip(&self.texels)

@@ -217,9 +217,15 @@ impl Report {
 
 /// Writes a report of any kind as JSON, beside and renamed.
 pub(crate) fn write_json(path: &Path, report: &impl Serialize) -> Result<()> {
-    let failed = |error: Box<dyn std::error::Error + Send + Sync>| {
-        Error::new(ErrorKind::Io, format!("cannot write '{}'", path.display())).with_source(error)
-    };
-    let text = serde_json::to_string_pretty(report).map_err(|error| failed(error.into()))?;
-    write_beside(path, |file| writeln!(file, "{text}").map_err(|error| failed(error.into())))
+    let text = serde_json::to_string_pretty(report).map_err(|error| cannot_write(path, error.into()))?;
+    write_text(path, &format!("{text}\n"))
+}
+
+/// Writes a text, beside and renamed.
+pub(crate) fn write_text(path: &Path, text: &str) -> Result<()> {
+    write_beside(path, |file| file.write_all(text.as_bytes()).map_err(|error| cannot_write(path, error.into())))
+}
+
+fn cannot_write(path: &Path, error: Box<dyn std::error::Error + Send + Sync>) -> Error {
+    Error::new(ErrorKind::Io, format!("cannot write '{}'", path.display())).with_source(error)
 }
