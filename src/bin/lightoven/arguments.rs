@@ -193,8 +193,8 @@ pub(crate) struct Converge {
     #[arg(long, value_name = "TIME", default_value = "60s", value_parser = values::duration, allow_hyphen_values = true)]
     pub(crate) time: Duration,
     /// Ways of sampling, as `lightoven bake` takes them
-    #[arg(long, value_name = "A,B,..", default_value = "cosine,auto", value_delimiter = ',', value_parser = values::sampling, allow_hyphen_values = true)]
-    pub(crate) sampling: Vec<Sampling>,
+    #[arg(long, value_name = "A,B,..", default_value = "cosine,auto", value_delimiter = ',', value_parser = values::way, allow_hyphen_values = true)]
+    pub(crate) sampling: Vec<Way>,
     /// Bakes for each of them, with seeds 1 to K
     #[arg(long, value_name = "K", default_value_t = 4, value_parser = values::seeds, allow_negative_numbers = true)]
     pub(crate) seeds: u32,

@@ -109,6 +109,8 @@ fn sampling(text: &str) -> Result<Sampling, String> {
 }
 
 impl Way {
+    pub(crate) const AUTO: Self = Self { sampling: Sampling::Auto, aimed_by: AimedBy::Visibility };
+
     /// As it is written on the command line.
     pub(crate) fn name(self) -> String {
         let name = match self.sampling {

@@ -6,7 +6,7 @@ use crate::progress::{Bar, Visibility};
 use crate::report::write_json;
 use crate::values::Way;
 use crate::{Ending, device, interrupt, load, messages, paths};
-use lightoven::baker::{AimedBy, BakeSettings, Baker, LightMap, Outcome, Sampling, Statistics, Stop};
+use lightoven::baker::{BakeSettings, Baker, LightMap, Outcome, Statistics, Stop};
 use lightoven::gpu::Gpu;
 use lightoven::scene::Scene;
 use lightoven::{Error, ErrorKind, Result};
@@ -16,7 +16,6 @@ use std::ops::ControlFlow;
 
 /// The bakes that are measured have seeds from 1 on.
 const REFERENCE_SEED: u64 = 0;
-const REFERENCE: Way = Way { sampling: Sampling::Auto, aimed_by: AimedBy::Visibility };
 
 /// Bakes a reference and all the others, says how they differ.
 pub(crate) fn run(arguments: &Variance) -> Result<Ending> {
@@ -70,7 +69,7 @@ impl Bench<'_> {
     /// `None` when it was interrupted.
     fn measure(&mut self) -> Result<Option<Report>> {
         let samples = self.arguments.reference_samples;
-        let task = Task { name: "reference".into(), way: REFERENCE, seed: REFERENCE_SEED, samples };
+        let task = Task { name: "reference".into(), way: Way::AUTO, seed: REFERENCE_SEED, samples };
         let Some(Baked { light_map, statistics }) = self.bake(task)? else { return Ok(None) };
         let Some(reference) = Reference::new(&light_map.pixels) else {
             return Err(self.nothing_counts("no texel of the reference is lit"));

@@ -6,8 +6,9 @@ use super::report::{Report, Variant, limits};
 use crate::arguments::Converge;
 use crate::noise::Reference;
 use crate::progress::Bar;
-use crate::{interrupt, load, values};
-use lightoven::baker::{BakeSettings, Baker, Outcome, Progress, Sampling, Stop};
+use crate::values::Way;
+use crate::{interrupt, load};
+use lightoven::baker::{BakeSettings, Baker, Outcome, Progress, Stop};
 use lightoven::gpu::Gpu;
 use lightoven::io::exr::{Metadata, write_light_map};
 use lightoven::scene::Scene;
@@ -35,7 +36,7 @@ pub(super) struct Bench<'a> {
 
 /// A way of sampling on a device.
 struct Task<'a> {
-    sampling: Sampling,
+    way: Way,
     gpu: &'a Gpu,
     /// For each of the times.
     sums: Vec<Sums>,
@@ -55,10 +56,9 @@ impl<'a> Bench<'a> {
         let Some(light) = light.map_or_else(|| self.bake_reference(), |light| Ok(Some(light)))? else {
             return Ok(None);
         };
-        let (gpus, sampling) = (self.gpus, &self.arguments.sampling);
-        let task = |gpu, sampling| Task { sampling, gpu, sums: self.times.iter().map(|_| Sums::default()).collect() };
-        let mut tasks: Vec<Task<'_>> =
-            gpus.iter().flat_map(|gpu| sampling.iter().map(|sampling| task(*gpu, *sampling))).collect();
+        let (gpus, ways) = (self.gpus, &self.arguments.sampling);
+        let task = |gpu, way| Task { way, gpu, sums: self.times.iter().map(|_| Sums::default()).collect() };
+        let mut tasks: Vec<Task<'_>> = gpus.iter().flat_map(|gpu| ways.iter().map(|way| task(*gpu, *way))).collect();
         let mut reference = None;
         let interrupted = self.bake_all(&mut tasks, &light, &mut reference)?.is_break();
         let Some(reference) = reference else { return Ok(None) };
@@ -68,9 +68,7 @@ impl<'a> Bench<'a> {
             task.sums.iter().filter_map(|sums| sums.row(&reference)).filter(whole).collect()
         };
         let noise = light.source.relmse;
-        let variant = |task: &Task<'_>| {
-            Variant::new(values::sampling_name(task.sampling), task.gpu.backend().name(), rows(task), noise)
-        };
+        let variant = |task: &Task<'_>| Variant::new(task.way.name(), task.gpu.backend().name(), rows(task), noise);
         let variants: Vec<Variant> = tasks.iter().map(variant).collect();
         if !interrupted && let Some(broken) = variants.iter().find(|variant| variant.rows.is_empty()) {
             return Err(self.nothing_counts(&format!("no texel is a finite number in all bakes by {}", broken.name())));
@@ -115,8 +113,8 @@ impl<'a> Bench<'a> {
         light: &Light,
         reference: &mut Option<Reference>,
     ) -> Result<ControlFlow<()>> {
-        let name = format!("{} {seed}/{}", values::sampling_name(task.sampling), self.arguments.seeds);
-        let mut baker = self.baker(task.gpu, task.sampling, seed.into())?;
+        let name = format!("{} {seed}/{}", task.way.name(), self.arguments.seeds);
+        let mut baker = self.baker(task.gpu, task.way, seed.into())?;
         let mut elapsed = Duration::ZERO;
         for (index, time) in self.times.iter().enumerate() {
             let stop = Stop { time: Some(*time), ..Stop::default() };
@@ -148,8 +146,8 @@ impl<'a> Bench<'a> {
 
     /// `None` when it was interrupted.
     fn bake_reference(&mut self) -> Result<Option<Light>> {
-        let (gpu, sampling, time) = (self.gpus[0], Sampling::Auto, self.arguments.reference_time());
-        let mut baker = self.baker(gpu, sampling, REFERENCE_SEED)?;
+        let (gpu, way, time) = (self.gpus[0], Way::AUTO, self.arguments.reference_time());
+        let mut baker = self.baker(gpu, way, REFERENCE_SEED)?;
         let mut elapsed = Duration::ZERO;
         let outcome = baker.bake(&Stop { time: Some(time), ..Stop::default() }, &mut |progress| {
             elapsed = progress.elapsed;
@@ -174,7 +172,7 @@ impl<'a> Bench<'a> {
         let source = Source {
             file: None,
             scale: 1.0,
-            sampling: Some(values::sampling_name(sampling)),
+            sampling: Some(way.name()),
             backend: Some(gpu.backend().name()),
             seed: Some(REFERENCE_SEED),
             seconds: Some(elapsed.as_secs_f64()),
@@ -185,9 +183,9 @@ impl<'a> Bench<'a> {
         Ok(Some(Light { size: [light_map.width, light_map.height], pixels: light_map.pixels, source }))
     }
 
-    fn baker(&self, gpu: &Gpu, sampling: Sampling, seed: u64) -> Result<Baker> {
+    fn baker(&self, gpu: &Gpu, Way { sampling, aimed_by }: Way, seed: u64) -> Result<Baker> {
         let (resolution, bounces) = (self.arguments.how.resolution(), self.arguments.bounces);
-        let settings = BakeSettings { resolution, bounces, sampling, seed, ..BakeSettings::default() };
+        let settings = BakeSettings { resolution, bounces, sampling, aimed_by, seed, ..BakeSettings::default() };
         let baker = Baker::new(gpu, self.scene, &settings)?;
         // Said once, however often it is traced.
         load::layout_warning(baker.atlas()).iter().for_each(|warning| tracing::warn!("{warning}"));

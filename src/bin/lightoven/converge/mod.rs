@@ -9,7 +9,7 @@ mod report;
 use crate::arguments::Converge;
 use crate::progress::{Bar, Visibility};
 use crate::report::{write_json, write_text};
-use crate::{Ending, device, interrupt, load, messages, paths, values};
+use crate::{Ending, device, interrupt, load, messages, paths};
 use bench::Bench;
 use lightoven::gpu::Gpu;
 use lightoven::headless::Headless;
@@ -58,7 +58,7 @@ fn check(arguments: &Converge) -> Result<()> {
         ("--report", arguments.report.as_ref()),
     ];
     paths::check(&[scene, sky, ("--reference", arguments.reference.as_ref())], &outputs)?;
-    only_once("--sampling", arguments.sampling.iter().map(|sampling| values::sampling_name(*sampling)))
+    only_once("--sampling", arguments.sampling.iter().map(|way| way.name()))
 }
 
 fn only_once(option: &str, names: impl Iterator<Item = String>) -> Result<()> {
