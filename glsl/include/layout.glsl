@@ -113,7 +113,7 @@ layout(push_constant, std430) uniform Push {
     float origin_offset;  // along the geometric normal, scene units
     uvec2 seed;
     uint instance;        // gbuffer: the instance drawn; importance: 1 = of the sky
-    uint step_texels;     // dilate: how far to look; 0 = fill
+    uint step_texels;     // dilate: how far to look, 0 = fill; emit: from one work group to the next
     float mean_luminance; // resolve, bake: of the last estimate
     uint rays;            // bake: of a quantum, those below included
     uint source_rays;     // bake: aimed at the light map

@@ -36,9 +36,9 @@ pub(crate) use pipeline::{ComputePipeline, Constants, RasterDesc, RasterPipeline
 pub(crate) use recorder::{Recorder, Rendering};
 pub(crate) use sampler::Sampler;
 pub(crate) use shader::{
-    BAKE, DILATE, DIRECT, GBUFFER_FRAG, GBUFFER_VERT, IMPORTANCE, PUBLISH, RESOLVE, SETTLE, SOURCE, TRACE,
+    BAKE, DILATE, DIRECT, EMIT, GBUFFER_FRAG, GBUFFER_VERT, IMPORTANCE, PUBLISH, RESOLVE, SETTLE, SOURCE, TRACE,
 };
-pub(crate) use timer::{MARKS, Timer};
+pub(crate) use timer::{MARKS, Stopwatch, Timer};
 
 use crate::error::{Error, ErrorKind};
 use ash::vk;

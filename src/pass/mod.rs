@@ -3,6 +3,7 @@
 mod bake;
 mod dilate;
 mod direct;
+mod emit;
 mod gbuffer;
 mod importance;
 mod maps;
@@ -20,6 +21,7 @@ mod trace;
 pub(crate) use bake::Bake;
 pub(crate) use dilate::Dilate;
 pub(crate) use direct::Direct;
+pub(crate) use emit::{Emit, Groups};
 pub(crate) use gbuffer::Gbuffer;
 pub(crate) use importance::Importance;
 pub(crate) use maps::Maps;
@@ -29,6 +31,7 @@ pub(crate) use resolve::{Resolve, ResolveSums};
 pub(crate) use scene::{DeviceScene, encode_light};
 pub(crate) use settle::Settle;
 pub(crate) use source::{Source, SourceSums};
+pub use trace::Query;
 pub(crate) use trace::Trace;
 
 use crate::error::Result;

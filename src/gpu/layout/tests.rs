@@ -282,6 +282,7 @@ fn specialisation_ids_are_the_constants_places() {
     let expected = BTreeSet::from([
         ("FEATURES".to_owned(), offset_of!(Constants, features) as u32 / 4),
         ("STACK_SIZE".to_owned(), offset_of!(Constants, stack_size) as u32 / 4),
+        ("QUERY".to_owned(), offset_of!(Constants, query) as u32 / 4),
     ]);
     let mut found = BTreeSet::new();
     for (module, variable) in variables() {
