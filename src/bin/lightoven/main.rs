@@ -1,10 +1,11 @@
 //! The command line tool: bakes a glTF scene to an EXR light map, says what it would do, compares light maps, and measures
-//! the noise of ways of sampling.
+//! the noise of ways of sampling and the speed of rays.
 //!
 //! Exit codes: 0 done, 1 failed, 2 bad usage, 130 interrupted.
 
 mod arguments;
 mod bake;
+mod bench;
 mod compare;
 mod device;
 mod info;
@@ -43,6 +44,7 @@ fn main() -> ExitCode {
         Command::Info(info) => info::run(info),
         Command::Compare(compare) => compare::run(compare),
         Command::Variance(variance) => variance::run(variance),
+        Command::Bench(bench) => bench::run(bench, start),
     };
     match result {
         Ok(Ending::Done) => ExitCode::SUCCESS,
