@@ -22,11 +22,15 @@ pub(crate) struct Constants {
     pub(crate) query: u32,
 }
 
+/// Entries of the stack beside nodes: where traversal ends, and where it leaves an object.
+const STACK_MARKS: u32 = 2;
+
 impl Constants {
     /// For a scene that needs `features`. The stack grows in steps, so that scenes of about the same depth share compiled
     /// pipelines.
     pub(crate) fn new(features: Features, bvh: &Bvh) -> Self {
-        Self { features: features.bits(), stack_size: bvh.most_stack_size().next_multiple_of(8), query: 0 }
+        let stack_size = (bvh.most_stack_size() + STACK_MARKS).next_multiple_of(8);
+        Self { features: features.bits(), stack_size, query: 0 }
     }
 }
 
