@@ -52,4 +52,5 @@ struct Readme;
 
 pub use error::{Error, ErrorKind, Result};
 pub use features::Features;
-pub use tracer::Tracer;
+pub use pass::Query;
+pub use tracer::{LoadedRays, Tracer};

@@ -4,26 +4,36 @@ use crate::bvh::{Bvh, Hit, Ray};
 use crate::error::Result;
 use crate::features::Features;
 use crate::gpu::layout::{Answer, Push, TracedRay};
-use crate::gpu::{Buffer, BufferDesc, Commands, Constants, Gpu, Location};
-use crate::pass::{DeviceScene, Trace};
+use crate::gpu::{BindingSet, Buffer, BufferDesc, Commands, Constants, Gpu, Location, Stopwatch};
+use crate::pass::{DeviceScene, Query, Trace};
 use crate::scene::Scene;
 use ash::vk;
+use std::time::Duration;
 
 /// A scene on the device, ready to be traced.
-///
-/// Dropping it waits for the device.
 pub struct Tracer {
-    // Dropped first: waits for what is under way.
+    gpu: Gpu,
     commands: Commands,
+    stopwatch: Stopwatch,
     trace: Trace,
-    rays: Buffer,
-    answers: Buffer,
-    _scene: DeviceScene,
+    scene: DeviceScene,
     push: Push,
 }
 
+/// Rays on the device, with room for their answers: 80 bytes each. They belong to the tracer that loaded them.
+pub struct LoadedRays(Vec<Batch>);
+
 /// Rays of one dispatch.
-const BATCH: usize = 1 << 16;
+struct Batch {
+    // Dropped before what it binds.
+    set: BindingSet,
+    _rays: Buffer,
+    answers: Buffer,
+    count: u32,
+}
+
+/// Rays of one dispatch: 48 MiB, where 128 is the least limit of a buffer.
+const BATCH: usize = 1 << 20;
 
 impl Tracer {
     /// Uploads the scene. `bvh` is its hierarchy, in whose coordinates the rays are.
@@ -32,17 +42,12 @@ impl Tracer {
     /// `OutOfMemory`, saying what was asked for; `DeviceLost` or `Driver` from the device.
     pub fn new(gpu: &Gpu, scene: &Scene, bvh: &Bvh) -> Result<Self> {
         let mut commands = Commands::new(gpu)?;
-        let device_scene = DeviceScene::new(gpu, &mut commands, scene, bvh, Features::required(scene))?;
-        let buffer = |name, size: usize, location| {
-            let usage = vk::BufferUsageFlags::STORAGE_BUFFER;
-            Buffer::new(gpu, BufferDesc { name, size: (size * BATCH) as u64, usage, location })
-        };
-        let rays = buffer("rays", size_of::<TracedRay>(), Location::Upload)?;
-        let answers = buffer("answers", size_of::<Answer>(), Location::ReadBack)?;
-        let constants = Constants::new(Features::required(scene), bvh);
-        let trace = Trace::new(gpu, constants, &device_scene, &rays, &answers)?;
+        let stopwatch = Stopwatch::new(gpu)?;
+        let features = Features::required(scene);
+        let scene = DeviceScene::new(gpu, &mut commands, scene, bvh, features)?;
+        let trace = Trace::new(gpu, Constants::new(features, bvh), &scene)?;
         let push = Push { root: bvh.root(), ..Push::default() };
-        Ok(Self { commands, trace, rays, answers, _scene: device_scene, push })
+        Ok(Self { gpu: gpu.clone(), commands, stopwatch, trace, scene, push })
     }
 
     /// Closest hits, `[ray]`. `skip` is `[ray]` too: the (instance, primitive) that a ray starts from and does not hit.
@@ -51,46 +56,90 @@ impl Tracer {
     /// `u32::MAX`.
     ///
     /// # Errors
-    /// `DeviceLost` or `Driver` from the device.
+    /// `OutOfMemory`, `DeviceLost` or `Driver` from the device.
     pub fn trace(&mut self, rays: &[Ray], skip: &[Option<(u32, u32)>]) -> Result<Vec<Option<Hit>>> {
         let mut hits = Vec::with_capacity(rays.len());
         for (rays, skip) in rays.chunks(BATCH).zip(skip.chunks(BATCH)) {
-            let encoded: Vec<TracedRay> = rays.iter().zip(skip).map(|(ray, skip)| encode(ray, *skip)).collect();
-            self.rays.write(&encoded);
+            let loaded = self.load(rays, skip)?;
+            self.time(&loaded, Query::Occluded)?;
+            let occluded = self.answers(&loaded)?;
+            self.time(&loaded, Query::Closest)?;
+            let closest = self.answers(&loaded)?.into_iter().zip(occluded);
+            hits.extend(closest.zip(rays).map(|((hit, any), ray)| agreed(hit, any, ray)));
+        }
+        Ok(hits)
+    }
+
+    /// Brings rays to the device, to be traced any number of times; `skip` as in [`Tracer::trace`].
+    ///
+    /// # Errors
+    /// `OutOfMemory`, `DeviceLost` or `Driver` from the device.
+    pub fn load(&mut self, rays: &[Ray], skip: &[Option<(u32, u32)>]) -> Result<LoadedRays> {
+        let chunks = rays.chunks(BATCH).zip(skip.chunks(BATCH));
+        Ok(LoadedRays(chunks.map(|(rays, skip)| self.load_batch(rays, skip)).collect::<Result<_>>()?))
+    }
+
+    fn load_batch(&mut self, rays: &[Ray], skip: &[Option<(u32, u32)>]) -> Result<Batch> {
+        let encoded: Vec<TracedRay> = rays.iter().zip(skip).map(|(ray, skip)| TracedRay::new(ray, *skip)).collect();
+        let (usage, location) = (vk::BufferUsageFlags::STORAGE_BUFFER, Location::Device);
+        let size = size_of_val(encoded.as_slice()) as u64;
+        let rays = self.commands.upload(BufferDesc { name: "rays", size, usage, location }, &encoded)?;
+        let size = (encoded.len() * size_of::<Answer>()) as u64;
+        let usage = usage | vk::BufferUsageFlags::TRANSFER_SRC;
+        let answers = Buffer::new(&self.gpu, BufferDesc { name: "answers", size, usage, location })?;
+        let set = self.trace.bind(&self.scene, &rays, &answers)?;
+        Ok(Batch { set, _rays: rays, answers, count: encoded.len() as u32 })
+    }
+
+    /// Traces, and returns how long the device took for that alone: by its timestamps, or the host's clock where it has
+    /// none. A driver that compiles at the first use does so in the first call for each query.
+    ///
+    /// # Errors
+    /// `DeviceLost` or `Driver` from the device.
+    pub fn time(&mut self, rays: &LoadedRays, query: Query) -> Result<Duration> {
+        let mut sum = Duration::ZERO;
+        for batch in &rays.0 {
             let (trace, push) = (&self.trace, &self.push);
+            sum += self.stopwatch.run(&mut self.commands, |recorder| {
+                trace.record(recorder, query, &batch.set, push, batch.count);
+            })?;
+        }
+        Ok(sum)
+    }
+
+    /// What the last [`Tracer::time`] found, `[ray]`. Of a query for any hit only whether there is one means something.
+    ///
+    /// # Errors
+    /// `OutOfMemory`, `DeviceLost` or `Driver` from the device.
+    pub fn answers(&mut self, rays: &LoadedRays) -> Result<Vec<Option<Hit>>> {
+        let mut hits = Vec::new();
+        for batch in &rays.0 {
+            let size = u64::from(batch.count) * size_of::<Answer>() as u64;
+            let (usage, location) = (vk::BufferUsageFlags::TRANSFER_DST, Location::ReadBack);
+            let answers = Buffer::new(&self.gpu, BufferDesc { name: "answers", size, usage, location })?;
             self.commands.run(|recorder| {
-                trace.record(recorder, push, encoded.len() as u32);
+                recorder.copy_buffer(&batch.answers, &answers, size);
                 Ok(())
             })?;
-            let size = encoded.len() * size_of::<Answer>();
-            let answers: Vec<Answer> = bytemuck::pod_collect_to_vec(&self.answers.bytes()[..size]);
-            hits.extend(answers.iter().map(decode));
+            let answers: Vec<Answer> = bytemuck::pod_collect_to_vec(&answers.bytes()[..size as usize]);
+            hits.extend(answers.iter().map(Answer::hit));
         }
         Ok(hits)
     }
 }
 
-fn encode(ray: &Ray, skip: Option<(u32, u32)>) -> TracedRay {
-    let (skip_instance, skip_primitive) = skip.unwrap_or((u32::MAX, u32::MAX));
-    TracedRay {
-        origin: ray.origin.into(),
-        t_min: ray.t_min,
-        direction: ray.direction.into(),
-        t_max: ray.t_max,
-        skip_instance,
-        skip_primitive,
-        pad: [0; 2],
+/// The closest hit, its primitive `u32::MAX` where the query for any hit says otherwise.
+fn agreed(closest: Option<Hit>, any: Option<Hit>, ray: &Ray) -> Option<Hit> {
+    let miss = Hit { t: ray.t_max, instance: 0, primitive: 0, u: 0.0, v: 0.0, front_face: false };
+    match (closest, any) {
+        (None, None) | (Some(_), Some(_)) => closest,
+        _ => Some(Hit { primitive: u32::MAX, ..closest.unwrap_or(miss) }),
     }
 }
 
-fn decode(answer: &Answer) -> Option<Hit> {
-    let Answer { t, instance, primitive, front_face, barycentrics: [u, v], .. } = *answer;
-    (instance != u32::MAX || primitive == u32::MAX).then_some(Hit {
-        t,
-        instance,
-        primitive,
-        u,
-        v,
-        front_face: front_face != 0,
-    })
+impl Answer {
+    fn hit(&self) -> Option<Hit> {
+        let Self { t, instance, primitive, front_face, barycentrics: [u, v], .. } = *self;
+        (instance != u32::MAX).then_some(Hit { t, instance, primitive, u, v, front_face: front_face != 0 })
+    }
 }

@@ -3,16 +3,13 @@
 #ifndef LAYOUT_GLSL
 #define LAYOUT_GLSL
 
-// Children's boxes and codes: src/bvh/encode.rs.
+// Children's boxes and codes: src/bvh/encode.rs. In xyz the bits of floats, in w of lo0 and hi0 the children's codes:
+// lavapipe loads four at a time for what two loads cost it.
 struct Node {
-    vec3 lo0;
-    uint child0;
-    vec3 hi0;
-    uint child1;
-    vec3 lo1;
-    uint pad0;
-    vec3 hi1;
-    uint pad1;
+    uvec4 lo0;
+    uvec4 hi0;
+    uvec4 lo1;
+    uvec4 hi1;
 };
 
 // Object-space corners; w is not used.
@@ -131,7 +128,8 @@ layout(push_constant, std430) uniform Push {
     float origin_offset;  // along the geometric normal, scene units
     uvec2 seed;
     uint instance;        // gbuffer: the instance drawn; importance: 1 = of the sky
-    uint step_texels;     // dilate: how far to look; 0 = fill; bake: one in so many tells what it sees
+    // dilate: how far to look, 0 = fill; emit: from one work group to the next; bake: one in so many tells what it sees
+    uint step_texels;
     float mean_luminance; // resolve, bake: of the last estimate
     uint rays;            // bake: of a quantum, those below included
     uint source_rays;     // bake: aimed at the light map

@@ -100,37 +100,41 @@ void test_leaf(inout RayQuery q, Ray ray, Slope slope, uint leaf, uint instance)
     }
 }
 
+// Codes on the stack that no leaf has: nothing is left; an object is left for the top level.
+const uint DONE = 0xffffffffu;
+const uint LEAVE = 0xfffffffeu;
+
+// Two nested loops, down to the next leaf and on from it, so that lanes that share their instructions test their leaves
+// together.
 void ray_query_proceed(inout RayQuery q, Ray ray) {
     uint stack[STACK_SIZE];
-    uint height = 0u;
-    uint object_height = 0u;  // of the stack where the object in hand was entered
+    stack[0] = DONE;
+    uint height = 1u;
     uint instance = INSTANCES ? NO_INSTANCE : 0u;
     Slope slope = slope_of(ray.origin, ray.direction);
     uint current = push.root;
     while (true) {
-        if ((current & LEAF) == 0u) {
+        while ((current & LEAF) == 0u) {
             Node node = nodes[current];
-            vec3 lo0 = fma(node.lo0, slope.inverse, -slope.origin_inverse);
-            vec3 hi0 = fma(node.hi0, slope.inverse, -slope.origin_inverse);
-            vec3 lo1 = fma(node.lo1, slope.inverse, -slope.origin_inverse);
-            vec3 hi1 = fma(node.hi1, slope.inverse, -slope.origin_inverse);
-            vec3 near0 = min(lo0, hi0), far0 = max(lo0, hi0);
-            vec3 near1 = min(lo1, hi1), far1 = max(lo1, hi1);
-            float enter0 = max(max(near0.x, near0.y), max(near0.z, ray.t_min));
-            float enter1 = max(max(near1.x, near1.y), max(near1.z, ray.t_min));
-            float leave0 = min(min(far0.x, far0.y), min(far0.z, q.t)) * FAR_SLACK;
-            float leave1 = min(min(far1.x, far1.y), min(far1.z, q.t)) * FAR_SLACK;
-            bool hit0 = enter0 <= leave0;
-            bool hit1 = enter1 <= leave1;
-            bool first0 = hit0 && (!hit1 || enter0 <= enter1);
+            Range range0 = intersect_box(slope, node.lo0.xyz, node.hi0.xyz, ray.t_min, q.t);
+            Range range1 = intersect_box(slope, node.lo1.xyz, node.hi1.xyz, ray.t_min, q.t);
+            uint child0 = node.lo0.w, child1 = node.hi0.w;
+            bool hit0 = range0.enter <= range0.leave;
+            bool hit1 = range1.enter <= range1.leave;
+            bool first0 = hit0 && (!hit1 || range0.enter <= range1.enter);
             // Always written; the height moves only where both were hit.
-            stack[height] = first0 ? node.child1 : node.child0;
+            stack[height] = first0 ? child1 : child0;
             height += uint(hit0 && hit1);
-            current = first0 ? node.child0 : node.child1;
-            if (hit0 || hit1) continue;
+            current = first0 ? child0 : child1;
+            if (!hit0 && !hit1) current = stack[--height];
+        }
+        if (current == DONE) return;
+        if (INSTANCES && current == LEAVE) {
+            instance = NO_INSTANCE;
+            slope = slope_of(ray.origin, ray.direction);
         } else if (INSTANCES && instance == NO_INSTANCE) {
             instance = current & LEAF_FIRST;
-            object_height = height;
+            stack[height++] = LEAVE;
             vec4 o = vec4(ray.origin, 1.0);
             vec3 d = ray.direction;
             vec4 x = instances[instance].world_to_object[0];
@@ -143,11 +147,6 @@ void ray_query_proceed(inout RayQuery q, Ray ray) {
             test_leaf(q, ray, slope, current, instance);
             if (q.any_hit && q.committed) return;
         }
-        if (INSTANCES && instance != NO_INSTANCE && height == object_height) {
-            instance = NO_INSTANCE;
-            slope = slope_of(ray.origin, ray.direction);
-        }
-        if (height == 0u) return;
         current = stack[--height];
     }
 }

@@ -3,6 +3,7 @@
 
 mod aiming;
 mod frames;
+mod gather_bench;
 mod memory;
 mod progress;
 mod setup;
@@ -12,6 +13,7 @@ pub use crate::epochs::Bounces;
 pub use crate::sampling::{AimedBy, Sampling, SamplingStatistics};
 pub use crate::schedule::Slice;
 pub use frames::{Clock, FrameId, FrameReport, FrameSettings, FrameTiming, Learning, MeasuredBy, Ran, Timing};
+pub use gather_bench::{GatherBench, SentRays};
 pub use memory::{MemoryEstimate, estimate_memory};
 use progress::Stretch;
 pub use progress::{Outcome, Phase, Progress, Seconds, Statistics, Stop};

@@ -104,7 +104,12 @@ pub(super) fn features_of(scene: &Scene, settings: &BakeSettings) -> Features {
 }
 
 impl Core {
-    fn new(
+    /// What passes are made from.
+    pub(super) fn context(&self) -> Context<'_> {
+        Context { gpu: &self.gpu, constants: self.constants, scene: &self.scene, maps: &self.maps }
+    }
+
+    pub(super) fn new(
         gpu: &Gpu,
         scene: &Scene,
         settings: &BakeSettings,

@@ -15,10 +15,10 @@ const MAX_REPEATS: usize = 32;
 /// balanced tree over 2^26 primitives has 26, so that no scene needs more than [`super::MAX_STACK_SIZE`].
 const MAX_DEPTH: u32 = super::MAX_STACK_SIZE as u32 / 2;
 
-/// Share of the nodes that reinsertion tries to place better, as in obvhs's slow preset but for the pre-split, which
-/// would put a triangle into several leaves. All of them, 1.0, bring 3 to 5 % more rays a second on two game levels of
-/// 8 k and 14 k triangles and double the time to build.
-const REINSERTION_RATIO: f32 = 0.2;
+/// Share of the nodes that reinsertion tries to place better: all, as in obvhs's slowest preset but for the pre-split,
+/// which would put a triangle into several leaves. On two game levels of 8 k and 14 k triangles it brings 1 and 6 % more
+/// rays a second than 0.2 and takes 19 and 27 ms for 8 and 13; 2.0 brings 3 to 4 % more and takes 28 and 34 ms.
+const REINSERTION_RATIO: f32 = 1.0;
 
 /// Cost of a node in triangle tests when leaves are merged, as in obvhs's presets: the fewest nodes. From 0.5 to
 /// 3 the rays a second are the same within the noise of 3 %, at 1.9 times to once the nodes.

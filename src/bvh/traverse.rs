@@ -8,7 +8,7 @@ use glam::{Vec3, Vec3A};
 pub struct Ray {
     /// Where it starts.
     pub origin: Vec3,
-    /// Hits at or before this are ignored; units of `direction`.
+    /// Hits at or before this are ignored; units of `direction`, at least 0.
     pub t_min: f32,
     /// Where it goes; any length but 0.
     pub direction: Vec3,
@@ -38,6 +38,10 @@ pub struct Hit {
 /// The bits of a leaf's code that hold its first primitive or its instance.
 const FIRST_MASK: u32 = (1 << FIRST_BITS) - 1;
 
+/// Codes on the stack that no leaf has: nothing is left; an object is left for the top level.
+const DONE: u32 = u32::MAX;
+const LEAVE: u32 = u32::MAX - 1;
+
 /// No instance: the ray is in the top level.
 const NO_INSTANCE: u32 = u32::MAX;
 
@@ -57,57 +61,54 @@ impl Bvh {
         if self.triangles.is_empty() {
             return None;
         }
-        debug_assert!(self.stack_size as usize <= MAX_STACK_SIZE);
-        let mut stack = [0; MAX_STACK_SIZE];
-        let mut sp = 0;
+        let mut stack = [0; MAX_STACK_SIZE + 2];
+        stack[0] = DONE;
+        let mut height = 1;
         let world = LocalRay::new(ray.origin, ray.direction);
         let mut local = world;
         let mut instance = if self.top_root.is_some() { NO_INSTANCE } else { 0 };
-        let mut base = usize::MAX;
         let mut hit = None;
         let mut t_hit = ray.t_max;
         let mut current = self.root();
         loop {
-            if current & LEAF == 0 {
+            while current & LEAF == 0 {
                 let node = &self.nodes[current as usize];
                 let (near0, hit0) = local.test_box(node.lo0, node.hi0, ray.t_min, t_hit);
                 let (near1, hit1) = local.test_box(node.lo1, node.hi1, ray.t_min, t_hit);
-                if hit0 | hit1 {
-                    let second_first = hit1 & (!hit0 | (near1 < near0));
-                    let (near, far) = ordered(node, second_first);
-                    debug_assert!(sp < self.stack_size as usize, "the stack overflows");
-                    stack[sp] = far;
-                    sp += usize::from(hit0 & hit1);
-                    current = near;
-                    continue;
-                }
-            } else if instance == NO_INSTANCE {
-                instance = current & FIRST_MASK;
-                let record = &self.instances[instance as usize];
-                local = record.object_ray(ray);
-                base = sp;
-                current = record.root;
-                continue;
-            } else {
-                let found = self.test_leaf(&local, current, instance, ray.t_min, t_hit, skip);
-                if let Some(found) = found {
-                    t_hit = found.t;
-                    hit = Some(found);
-                    if ANY {
-                        return hit;
-                    }
+                let second_first = hit1 & (!hit0 | (near1 < near0));
+                let (near, far) = ordered(node, second_first);
+                debug_assert!(height < self.stack_size as usize + 2, "the stack overflows");
+                stack[height] = far;
+                height += usize::from(hit0 & hit1);
+                current = near;
+                if !(hit0 | hit1) {
+                    height -= 1;
+                    current = stack[height];
                 }
             }
-            if sp == base {
-                instance = NO_INSTANCE;
-                local = world;
-                base = usize::MAX;
-            }
-            if sp == 0 {
+            if current == DONE {
                 return hit;
             }
-            sp -= 1;
-            current = stack[sp];
+            if current == LEAVE {
+                instance = NO_INSTANCE;
+                local = world;
+            } else if instance == NO_INSTANCE {
+                instance = current & FIRST_MASK;
+                stack[height] = LEAVE;
+                height += 1;
+                let record = &self.instances[instance as usize];
+                local = record.object_ray(ray);
+                current = record.root;
+                continue;
+            } else if let Some(found) = self.test_leaf(&local, current, instance, ray.t_min, t_hit, skip) {
+                t_hit = found.t;
+                hit = Some(found);
+                if ANY {
+                    return hit;
+                }
+            }
+            height -= 1;
+            current = stack[height];
         }
     }
 

@@ -1,6 +1,7 @@
 //! What host and device share, as `glsl/include/layout.glsl` has it; `layout/tests.rs` compares the two.
 //! The hierarchy's structs are in `crate::bvh`.
 
+use crate::bvh::Ray;
 use bytemuck::{Pod, Zeroable};
 
 /// Bindings of set 0, the same number for the same thing in every shader.
@@ -149,6 +150,29 @@ pub(crate) struct TracedRay {
     pub(crate) skip_instance: u32,
     pub(crate) skip_primitive: u32,
     pub(crate) pad: [u32; 2],
+}
+
+impl TracedRay {
+    /// `skip` is the (instance, primitive) that the ray starts from.
+    pub(crate) fn new(ray: &Ray, skip: Option<(u32, u32)>) -> Self {
+        let (skip_instance, skip_primitive) = skip.unwrap_or((u32::MAX, u32::MAX));
+        Self {
+            origin: ray.origin.into(),
+            t_min: ray.t_min,
+            direction: ray.direction.into(),
+            t_max: ray.t_max,
+            skip_instance,
+            skip_primitive,
+            pad: [0; 2],
+        }
+    }
+
+    /// The ray, and what it starts from.
+    pub(crate) fn decode(&self) -> (Ray, Option<(u32, u32)>) {
+        let Self { origin, t_min, direction, t_max, skip_instance, skip_primitive, .. } = *self;
+        let ray = Ray { origin: origin.into(), t_min, direction: direction.into(), t_max };
+        (ray, (skip_instance != u32::MAX).then_some((skip_instance, skip_primitive)))
+    }
 }
 
 /// What a ray hit; `instance` is all ones for a miss.

@@ -36,10 +36,10 @@ pub(crate) use pipeline::{ComputePipeline, Constants, RasterDesc, RasterPipeline
 pub(crate) use recorder::{Recorder, Rendering};
 pub(crate) use sampler::Sampler;
 pub(crate) use shader::{
-    BAKE, CLUSTERS, DILATE, DIRECT, GBUFFER_FRAG, GBUFFER_VERT, IMPORTANCE, PUBLISH, RESOLVE, SETTLE, SOURCE, TRACE,
-    VISIBILITY,
+    BAKE, CLUSTERS, DILATE, DIRECT, EMIT, GBUFFER_FRAG, GBUFFER_VERT, IMPORTANCE, PUBLISH, RESOLVE, SETTLE, SOURCE,
+    TRACE, VISIBILITY,
 };
-pub(crate) use timer::{MARKS, Timer};
+pub(crate) use timer::{MARKS, Stopwatch, Timer};
 
 use crate::error::{Error, ErrorKind};
 use ash::vk;

@@ -18,19 +18,26 @@ pub(crate) struct Constants {
     pub(crate) features: u32,
     /// Entries of the traversal stack.
     pub(crate) stack_size: u32,
+    /// What `trace.comp` asks of a ray; nobody else reads it.
+    pub(crate) query: u32,
 }
+
+/// Entries of the stack beside nodes: where traversal ends, and where it leaves an object.
+const STACK_MARKS: u32 = 2;
 
 impl Constants {
     /// For a scene that needs `features`. The stack grows in steps, so that scenes of about the same depth share compiled
     /// pipelines.
     pub(crate) fn new(features: Features, bvh: &Bvh) -> Self {
-        Self { features: features.bits(), stack_size: bvh.most_stack_size().next_multiple_of(8) }
+        let stack_size = (bvh.most_stack_size() + STACK_MARKS).next_multiple_of(8);
+        Self { features: features.bits(), stack_size, query: 0 }
     }
 }
 
-const CONSTANT_ENTRIES: [vk::SpecializationMapEntry; 2] = [
+const CONSTANT_ENTRIES: [vk::SpecializationMapEntry; 3] = [
     vk::SpecializationMapEntry { constant_id: 0, offset: 0, size: 4 },
     vk::SpecializationMapEntry { constant_id: 1, offset: 4, size: 4 },
+    vk::SpecializationMapEntry { constant_id: 2, offset: 8, size: 4 },
 ];
 
 /// What compute and raster pipelines have in common, guarded.

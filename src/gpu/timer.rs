@@ -1,9 +1,10 @@
 //! Timestamps on the device, read without waiting.
 
-use super::{Gpu, Recorder, vulkan_error};
+use super::{Commands, Gpu, Recorder, vulkan_error};
 use crate::error::Result;
 use crate::gpu::info::Timestamps;
 use ash::vk;
+use std::time::Duration;
 
 /// Timestamps of a frame: one before its first dispatch and one after each.
 pub(crate) const MARKS: usize = 64;
@@ -73,5 +74,30 @@ impl Drop for Timer {
     fn drop(&mut self) {
         // SAFETY: the frames that wrote to it are done before their baker is dropped.
         unsafe { self.gpu.device().destroy_query_pool(self.pool, None) };
+    }
+}
+
+/// Times work that is waited for.
+pub(crate) struct Stopwatch(Option<Timer>);
+
+impl Stopwatch {
+    pub(crate) fn new(gpu: &Gpu) -> Result<Self> {
+        Ok(Self(Timer::new(gpu, 1)?))
+    }
+
+    /// Records, submits and waits; returns how long the device took, or where it has no valid timestamps the time from
+    /// submission to completion.
+    pub(crate) fn run(&self, commands: &mut Commands, record: impl FnOnce(&mut Recorder<'_>)) -> Result<Duration> {
+        let mark = |recorder: &Recorder<'_>, mark| self.0.iter().for_each(|timer| timer.mark(recorder, 0, mark));
+        let from_submission = commands.run(|recorder| {
+            self.0.iter().for_each(|timer| timer.reset(recorder, 0));
+            mark(recorder, 0);
+            record(recorder);
+            mark(recorder, 1);
+            Ok(())
+        })?;
+        let mut span = [0.0];
+        let valid = self.0.as_ref().is_some_and(|timer| timer.read(0, &mut span));
+        Ok(if valid { Duration::from_secs_f64(span[0]) } else { from_submission })
     }
 }

@@ -2,6 +2,7 @@
 
 mod bad_input;
 mod bake;
+mod bench;
 mod compare;
 mod converge;
 mod support;

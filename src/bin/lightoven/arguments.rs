@@ -31,6 +31,8 @@ pub(crate) enum Command {
     Variance(Variance),
     /// Measure how the error falls as a bake goes on
     Converge(Converge),
+    /// Measure rays a second of each back end and of obvhs on the CPU
+    Bench(Bench),
 }
 
 /// Bake a glTF scene to an EXR light map
@@ -218,6 +220,30 @@ pub(crate) struct Converge {
     pub(crate) report: Option<PathBuf>,
 }
 
+/// Measure rays a second of each back end and of obvhs on the CPU
+///
+/// All trace the same rays, which start from the light map's texels with directions by the cosine, in turn, round by round.
+/// obvhs traces on all cores, by the fastest of its own hierarchies over all triangles in world space. Last in each round
+/// comes a pass of a bake over the light map, of 32 rays a texel.
+#[derive(Debug, Args)]
+pub(crate) struct Bench {
+    /// The scene: .gltf or .glb
+    pub(crate) scene: PathBuf,
+    #[command(flatten)]
+    pub(crate) how: SceneArguments,
+    /// Rays of a round, for closest hits and again for any hit
+    #[arg(long, value_name = "N", default_value_t = 1 << 21, value_parser = values::bench_rays, allow_negative_numbers = true)]
+    pub(crate) rays: u32,
+    /// Rounds
+    #[arg(long, value_name = "N", default_value_t = 9, value_parser = values::rounds, allow_negative_numbers = true)]
+    pub(crate) rounds: u32,
+    #[command(flatten)]
+    pub(crate) device: DeviceArguments,
+    /// Write the figures as JSON too
+    #[arg(long, value_name = "R.json")]
+    pub(crate) report: Option<PathBuf>,
+}
+
 /// A sky as it is asked for.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum SkyArgument {
@@ -256,13 +282,16 @@ impl Converge {
 }
 
 impl DeviceArguments {
-    pub(crate) fn settings(&self, validation: Validation) -> HeadlessSettings {
-        let backend = match self.backend {
+    pub(crate) fn backend(&self) -> BackendChoice {
+        match self.backend {
             BackendArgument::Auto => BackendChoice::Auto,
             BackendArgument::Software => BackendChoice::Software,
             BackendArgument::RayQuery => BackendChoice::RayQuery,
-        };
-        HeadlessSettings { device: self.device.clone(), backend, validation }
+        }
+    }
+
+    pub(crate) fn settings(&self, validation: Validation) -> HeadlessSettings {
+        HeadlessSettings { device: self.device.clone(), backend: self.backend(), validation }
     }
 }
 

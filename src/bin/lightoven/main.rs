@@ -1,10 +1,11 @@
 //! The command line tool: bakes a glTF scene to an EXR light map, says what it would do, compares light maps, and measures
-//! the noise of ways of sampling and how the error falls as a bake goes on.
+//! the noise of ways of sampling, how the error falls as a bake goes on, and the speed of rays.
 //!
 //! Exit codes: 0 done, 1 failed, 2 bad usage, 130 interrupted.
 
 mod arguments;
 mod bake;
+mod bench;
 mod compare;
 mod converge;
 mod device;
@@ -45,6 +46,7 @@ fn main() -> ExitCode {
         Command::Compare(compare) => compare::run(compare),
         Command::Variance(variance) => variance::run(variance),
         Command::Converge(converge) => converge::run(converge),
+        Command::Bench(bench) => bench::run(bench, start),
     };
     match result {
         Ok(Ending::Done) => ExitCode::SUCCESS,

@@ -15,6 +15,10 @@ const MAX_HOURS: f64 = 8760.0;
 const MAX_FEW_SAMPLES: u32 = 1 << 20;
 const MAX_SEEDS: u32 = 1000;
 
+/// Most rays of a round: 80 bytes each on the device, once for each back end.
+const MAX_BENCH_RAYS: u32 = 1 << 24;
+const MAX_ROUNDS: u32 = 1000;
+
 fn whole(text: &str, range: RangeInclusive<u32>) -> Result<u32, String> {
     let allowed = || format!("allowed is a whole number from {} to {}", range.start(), range.end());
     text.parse().ok().filter(|number| range.contains(number)).ok_or_else(allowed)
@@ -31,6 +35,14 @@ pub(crate) fn few_samples(text: &str) -> Result<u32, String> {
 /// One bake has no variance.
 pub(crate) fn seeds(text: &str) -> Result<u32, String> {
     whole(text, 2..=MAX_SEEDS)
+}
+
+pub(crate) fn bench_rays(text: &str) -> Result<u32, String> {
+    whole(text, 1..=MAX_BENCH_RAYS)
+}
+
+pub(crate) fn rounds(text: &str) -> Result<u32, String> {
+    whole(text, 1..=MAX_ROUNDS)
 }
 
 pub(crate) fn seed(text: &str) -> Result<u64, String> {

@@ -33,7 +33,8 @@ macro_rules! host_struct {
 
 fn host_structs() -> Vec<HostStruct> {
     vec![
-        host_struct!("Node", Node { lo0, child0, hi0, child1, lo1, hi1 }),
+        // Its codes are the fourth components of lo0 and hi0.
+        host_struct!("Node", Node { lo0, hi0, lo1, hi1 }),
         host_struct!("Triangle", Triangle { corners }),
         host_struct!("Primitive", Primitive { uvs, normals, material, flags, sheet }),
         host_struct!("Material", Material { albedo, emission }),
@@ -289,6 +290,7 @@ fn specialisation_ids_are_the_constants_places() {
     let expected = BTreeSet::from([
         ("FEATURES".to_owned(), offset_of!(Constants, features) as u32 / 4),
         ("STACK_SIZE".to_owned(), offset_of!(Constants, stack_size) as u32 / 4),
+        ("QUERY".to_owned(), offset_of!(Constants, query) as u32 / 4),
     ]);
     let mut found = BTreeSet::new();
     for (module, variable) in variables() {

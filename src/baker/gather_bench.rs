@@ -1,0 +1,127 @@
+//! What gathering light consists of, to be measured: its rays, and its pass.
+
+use super::setup::features_of;
+use super::{BakeSettings, Core, Sampling, Statistics};
+use crate::bvh::{Bvh, Ray};
+use crate::error::{Error, Result};
+use crate::gpu::layout::{GROUP, Push, TracedRay};
+use crate::gpu::{Buffer, BufferDesc, Gpu, Location, Stopwatch};
+use crate::pass::{Bake, Emit, Groups};
+use crate::scene::{Atlas, Resolution, Scene};
+use ash::vk;
+use std::time::Duration;
+
+/// A scene whose light is about to be gathered, by the cosine alone.
+pub struct GatherBench {
+    core: Core,
+    bake: Bake,
+    stopwatch: Stopwatch,
+}
+
+/// Rays as a bake sends them.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct SentRays {
+    /// `[ray]`, in the order of the bake's work: of 64 texels first the rays of one stratum, then of the next.
+    pub rays: Vec<Ray>,
+    /// `[ray]`: the (instance, primitive) that it starts from and does not hit.
+    pub skip: Vec<Option<(u32, u32)>>,
+}
+
+/// Rays a texel, each of a stratum of its own, as in a static bake.
+const RAYS: u32 = 64;
+/// Rays of a work group.
+const GROUP_RAYS: usize = (GROUP * RAYS) as usize;
+/// Work groups whose rays are written at once: 48 MiB.
+const GROUPS_AT_ONCE: u32 = 256;
+/// Texels of one dispatch: all of a map of 512 x 512, and a second of 32 rays each on a slow device.
+const TEXELS_AT_ONCE: usize = 1 << 18;
+
+impl GatherBench {
+    /// Draws the g-buffer; `bvh` is the scene's hierarchy. Waits for the device.
+    ///
+    /// # Errors
+    /// As [`super::Baker::new`].
+    pub fn new(gpu: &Gpu, scene: &Scene, bvh: &Bvh, resolution: Resolution) -> Result<Self> {
+        let settings = BakeSettings { resolution, sampling: Sampling::Cosine, ..BakeSettings::default() };
+        let atlas = Atlas::new(scene, resolution)?;
+        let (features, mut bvh) = (features_of(scene, &settings), bvh.clone());
+        let core = Core::new(gpu, scene, &settings, &mut bvh, atlas, features, Statistics::default())?;
+        let bake = Bake::new(core.context(), &core.texels)?;
+        Ok(Self { bake, stopwatch: Stopwatch::new(gpu)?, core })
+    }
+
+    /// Width and height of the light map, texels.
+    pub fn size(&self) -> [u32; 2] {
+        self.core.maps.size
+    }
+
+    /// Texels that take rays.
+    pub fn texels(&self) -> u32 {
+        self.core.texels.count
+    }
+
+    /// At most `count` rays, and few less, from all over the light map.
+    ///
+    /// # Errors
+    /// `InvalidScene` where no texel takes rays; `OutOfMemory`, `DeviceLost` or `Driver` from the device.
+    pub fn rays(&mut self, count: usize) -> Result<SentRays> {
+        let core = &mut self.core;
+        let (usage, location) = (vk::BufferUsageFlags::STORAGE_BUFFER, Location::ReadBack);
+        let size = GROUPS_AT_ONCE as u64 * (GROUP_RAYS * size_of::<TracedRay>()) as u64;
+        let buffer = Buffer::new(&core.gpu, BufferDesc { name: "rays", size, usage, location })?;
+        let emit = Emit::new(core.context(), &core.texels, &buffer)?;
+        let wanted = u32::try_from(count.div_ceil(GROUP_RAYS)).unwrap_or(u32::MAX);
+        let groups = core.texels.count.div_ceil(GROUP);
+        let step = groups.div_ceil(wanted.max(1)).max(1);
+        let mut sent = SentRays::default();
+        let mut push = Push { rays: RAYS, ..core.push };
+        while sent.rays.len() < count {
+            let before = sent.rays.len();
+            // The last selected group may be the list's last.
+            for first in (0..groups.div_ceil(step)).step_by(GROUPS_AT_ONCE as usize) {
+                let count = (groups.div_ceil(step) - first).min(GROUPS_AT_ONCE);
+                let selected = Groups { first: first * step, step, count };
+                core.commands.run(|recorder| {
+                    emit.record(recorder, &push, &core.texels, selected);
+                    Ok(())
+                })?;
+                let size = count as usize * GROUP_RAYS * size_of::<TracedRay>();
+                sent.extend(&bytemuck::pod_collect_to_vec(&buffer.bytes()[..size]));
+            }
+            if sent.rays.len() == before {
+                return Err(Error::scene("no texel of the light map takes rays"));
+            }
+            push.first_sample += RAYS;
+        }
+        sent.rays.truncate(count);
+        sent.skip.truncate(count);
+        Ok(sent)
+    }
+
+    /// Gathers once with so many rays a texel, as every pass of a bake does, and returns how long the device took for
+    /// that: by its timestamps, or the host's clock where it has none. A driver that compiles at the first use does so in the
+    /// first call.
+    ///
+    /// # Errors
+    /// `DeviceLost` or `Driver` from the device.
+    pub fn gather(&mut self, rays: u32) -> Result<Duration> {
+        let Self { core, bake, stopwatch } = self;
+        let push = Push { rays, ..core.push };
+        let mut sum = Duration::ZERO;
+        for first in (0..core.texels.count).step_by(TEXELS_AT_ONCE) {
+            let texels = first..core.texels.count.min(first + TEXELS_AT_ONCE as u32);
+            sum += stopwatch.run(&mut core.commands, |recorder| bake.record(recorder, &push, 0, texels, 0..1))?;
+        }
+        Ok(sum)
+    }
+}
+
+impl SentRays {
+    /// Leaves out those that go nowhere.
+    fn extend(&mut self, rays: &[TracedRay]) {
+        for (ray, skip) in rays.iter().map(TracedRay::decode).filter(|(ray, _)| ray.t_max > 0.0) {
+            self.rays.push(ray);
+            self.skip.push(skip);
+        }
+    }
+}

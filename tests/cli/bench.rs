@@ -1,0 +1,112 @@
+//! `lightoven bench` on the project's own scenes: its figures hang together; how large they are is the machine's affair.
+
+use crate::support::{Folder, Quad, asset, json, run};
+use serde_json::Value;
+
+const SMALL: [&str; 6] = ["--resolution", "32", "--rays", "100000", "--rounds", "3"];
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
+}
+
+fn assert_spread(spread: &Value) {
+    let [least, median, most] = ["least", "median", "most"].map(|name| number(&spread[name]));
+    assert!(0.0 < least && least <= median && median <= most, "{spread}");
+}
+
+/// Of a query; where there is no ray query there is none of its figures.
+fn assert_speeds(report: &Value, query: &str) {
+    let spread = &report["spread"][query];
+    for who in ["software", "ray_query", "cpu"] {
+        assert_eq!(report[query][who], spread[who]["median"], "{who}: {report}");
+        if who != "ray_query" || !spread[who].is_null() {
+            assert_spread(&spread[who]);
+        }
+    }
+    for (ratio, who) in [("software_to_cpu", "cpu"), ("software_to_ray_query", "ray_query")] {
+        assert_eq!(spread[ratio].is_null(), spread[who].is_null(), "{report}");
+        if spread[ratio].is_null() {
+            continue;
+        }
+        assert_spread(&spread[ratio]);
+        // Every round's ratio lies within what the slowest and the fastest of all rounds give.
+        let [software, other] = ["software", who].map(|who| &spread[who]);
+        let bound = |ours: &str, theirs: &str| number(&software[ours]) / number(&other[theirs]);
+        assert!(number(&spread[ratio]["least"]) >= bound("least", "most") * 0.999_999, "{report}");
+        assert!(number(&spread[ratio]["most"]) <= bound("most", "least") * 1.000_001, "{report}");
+    }
+}
+
+#[test]
+fn figures_are_printed_and_reported() {
+    let folder = Folder::new();
+    let found = run(["bench", &asset("cornell.gltf"), "--report", &folder.text("r.json")].iter().chain(&SMALL));
+    assert_eq!(found.code, Some(0), "{found:?}");
+    for text in ["Mrays/s", "closest hit, software", "any hit, obvhs", "a pass of 32 rays", "32 x 32"] {
+        assert!(found.stdout.contains(text), "'{text}' is missing in {found:?}");
+    }
+    let report = json(&folder.path("r.json"));
+    for name in ["scene", "device", "driver"] {
+        assert!(report[name].as_str().is_some_and(|text| !text.is_empty()), "{name}: {report}");
+    }
+    assert_eq!((&report["rays"], &report["rounds"]), (&100_000.into(), &3.into()));
+    assert!(report["cpu"]["threads"].as_u64().is_some_and(|threads| threads > 0), "{report}");
+    assert_speeds(&report, "closest");
+    assert_speeds(&report, "occluded");
+    for ratio in ["software_to_cpu", "software_to_ray_query"] {
+        assert_eq!(report[ratio], report["spread"]["closest"][ratio]["median"], "{report}");
+    }
+
+    let agreement = &report["agreement"];
+    for who in ["software", "cpu"] {
+        // A box open toward the viewer.
+        assert!((0.5..1.0).contains(&number(&agreement["hits"][who])), "{report}");
+        assert!(number(&agreement["mean_distance"][who]) > 0.0, "{report}");
+        assert!(number(&agreement["differing"][who]) <= 1e-4, "{report}");
+    }
+    let gather = &report["gather"];
+    assert_eq!((&gather["resolution"], &gather["rays_per_texel"]), (&serde_json::json!([32, 32]), &32.into()));
+    assert_spread(&gather["milliseconds"]);
+    let texels = number(&gather["texels"]);
+    let slowest = texels * 32.0 * 1e-6 / (number(&gather["milliseconds"]["most"]) * 1e-3);
+    assert!(texels > 100.0 && (slowest / number(&gather["mrays_per_s"]["least"]) - 1.0).abs() < 1e-9, "{report}");
+}
+
+#[test]
+fn one_back_end_may_be_asked_for() {
+    let folder = Folder::new();
+    let more = ["--backend", "software", "--rounds", "1", "--report", &folder.text("r.json")];
+    let found = run(["bench", &asset("courtyard.gltf"), "--resolution", "32", "--rays", "20000"].iter().chain(&more));
+    assert_eq!(found.code, Some(0), "{found:?}");
+    let report = json(&folder.path("r.json"));
+    assert!(report["closest"]["ray_query"].is_null() && report["software_to_ray_query"].is_null(), "{report}");
+    assert_eq!(report["gather"]["backend"], "software");
+    assert!(number(&report["instances"]) > 1.0 && number(&report["agreement"]["differing"]["cpu"]) <= 1e-4, "{report}");
+}
+
+#[test]
+fn bad_usage_is_named_with_what_is_allowed() {
+    let folder = Folder::new();
+    let scene = Quad::default().write(&folder);
+    let before = folder.names();
+    let report = folder.text("r.json");
+    let bad = [
+        ("--rays", "0", "'0'", "1 to 16777216"),
+        ("--rays", "20000000", "'20000000'", "1 to 16777216"),
+        ("--rounds", "0", "'0'", "1 to 1000"),
+        ("--rounds", "-2", "'-2'", "1 to 1000"),
+        ("--resolution", "0", "'0'", "1 to 16384"),
+        ("--backend", "magic", "'magic'", "ray-query"),
+    ];
+    for (option, value, named, allowed) in bad {
+        let found = run(["bench", &scene, "--report", &report, option, value]);
+        assert_eq!(found.code, Some(2), "{found:?}");
+        for text in [option, named, allowed] {
+            assert!(found.stderr.contains(text), "'{text}' is missing in {found:?}");
+        }
+    }
+    let found = run(["bench", &scene, "--report", &scene]);
+    assert_eq!(found.code, Some(2), "{found:?}");
+    assert!(found.stderr.contains("same file as the scene"), "{found:?}");
+    assert_eq!(folder.names(), before);
+}
