@@ -114,7 +114,11 @@ void main() {
     if (push.first_level == 0u) {
         vec4 mine[3] = vec4[3](vec4(0.0), vec4(0.0), vec4(0.0));
         uvec2 at = gl_GlobalInvocationID.xy + uvec2(0u, push.first_texel);
-        if (all(lessThan(at, base))) imageStore(pyramid_image, ivec2(at), leaves_at(at, mine));
+        if (all(lessThan(at, base))) {
+            vec4 four = leaves_at(at, mine);
+            // Clusters have their own sums.
+            if (!CLUSTERS || push.instance == 1u) imageStore(pyramid_image, ivec2(at), four);
+        }
         if (push.instance == 0u && push.quantum_count > 0u) reduce(mine);
         return;
     }

@@ -33,9 +33,9 @@ pub(crate) struct Clusters {
 /// Clusters at most: what a texel weighs anew for each dispatch.
 pub(crate) const MOST_CLUSTERS: usize = 256;
 /// Groups, about, at most: with as many clusters, tables of 16 MiB.
-const MOST_GROUPS: usize = 8192;
+pub(crate) const MOST_GROUPS: usize = 8192;
 /// Sites of a group where there are not too many: as many rays as tell each other what is visible.
-const LEAST_GROUP_SITES: usize = 64;
+pub(crate) const LEAST_GROUP_SITES: usize = 64;
 /// What a share of the area counts beside a share of the emitted power: surfaces shine once light falls on them.
 const AREA_WEIGHT: f32 = 0.5;
 /// Normals that differ by more than this along an axis are parted before places are.

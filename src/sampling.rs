@@ -80,7 +80,7 @@ pub struct SamplingStatistics {
     pub evenness: Option<f32>,
     /// Texels whose radiance is negative, infinite or no number, lately: no ray is aimed at them.
     pub invalid_texels: u64,
-    /// Times that the pyramid, by which rays are aimed at the light map, was built.
+    /// Times that what rays are aimed by was made from the light map.
     pub pyramids: u64,
 }
 

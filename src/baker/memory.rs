@@ -5,7 +5,7 @@ use super::setup::features_of;
 use crate::error::{Error, ErrorKind, Result};
 use crate::features::Features;
 use crate::gpu::DeviceInfo;
-use crate::pass::{DeviceScene, Maps};
+use crate::pass::{DeviceScene, Maps, Sources};
 use crate::scene::{Atlas, Scene, Sky};
 
 /// Device memory by what it is for.
@@ -26,6 +26,9 @@ impl MemoryEstimate {
         let mut parts: Vec<_> = Maps::bytes(size, sky_size(scene), features).collect();
         // The g-buffer's depth, the list of texels, the two images of the dilation.
         parts.extend([("gbuffer depth", texels * 4), ("texels", texels * 4), ("nearest texels", texels * 8)]);
+        if features.contains(Features::CLUSTERS) {
+            parts.push(("clusters", Sources::bytes(texels)));
+        }
         parts.extend(DeviceScene::bytes(scene, features));
         Self { parts }
     }

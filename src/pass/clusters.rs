@@ -4,7 +4,7 @@
 
 use super::{Context, DeviceScene};
 use crate::bvh::Bvh;
-use crate::clusters::{Clusters as Layout, MOST_CLUSTERS, Site};
+use crate::clusters::{Clusters as Layout, LEAST_GROUP_SITES, MOST_CLUSTERS, MOST_GROUPS, Site};
 use crate::error::Result;
 use crate::gpu::layout::{self, Push, binding};
 use crate::gpu::{
@@ -88,6 +88,16 @@ impl Sources {
             group_count: layout.groups.len() as u32,
             tells_every: layout.group_sites.div_ceil(SITES_THAT_TELL).max(1),
         })
+    }
+}
+
+impl Sources {
+    /// Bytes that a map of so many texels takes, at most.
+    pub(crate) fn bytes(texels: u64) -> u64 {
+        // Seat, place and sum of each texel, two tables of groups by clusters. Groups are from half full to full.
+        let groups = 2 * texels.div_ceil(LEAST_GROUP_SITES as u64).min(MOST_GROUPS as u64);
+        let clusters = texels.min(MOST_CLUSTERS as u64);
+        12 * texels + clusters * (size_of::<layout::Cluster>() as u64 + 8 * groups)
     }
 }
 

@@ -57,6 +57,7 @@ type Plan = (&'static str, vk::Format, [u32; 2], usize);
 fn plans(size: [u32; 2], sky: [u32; 2], features: Features) -> [Plan; 14] {
     let dynamic = features.contains(Features::DYNAMIC);
     let importance = usize::from(features.contains(Features::IMPORTANCE));
+    let by_power = usize::from(importance == 1 && !features.contains(Features::CLUSTERS));
     let sky_importance = usize::from(features.contains(Features::IMPORTANCE | Features::SKY_MAP));
     let [pyramid, sky] = [size, sky].map(|leaves| Pyramid::over(leaves).image_size());
     let several = |count| if dynamic { count } else { 1 };
@@ -69,7 +70,7 @@ fn plans(size: [u32; 2], sky: [u32; 2], features: Features) -> [Plan; 14] {
         (if dynamic { "running average" } else { "mean of even quanta" }, RADIANCE, size, 1),
         (if dynamic { "last visit" } else { "mean of odd quanta" }, RADIANCE, size, 1),
         ("source map", RADIANCE, size, several(2)),
-        ("importance pyramid", RADIANCE, pyramid, importance),
+        ("importance pyramid", RADIANCE, pyramid, by_power),
         ("sky importance pyramid", RADIANCE, sky, sky_importance),
         ("aimed luminance", vk::Format::R32_SFLOAT, size, importance),
         ("evidence map", RADIANCE, size, importance),
