@@ -28,13 +28,13 @@ const uint SEEN = 1u << 16u;
 const float SIGHT = 0.998;
 
 // What a ray adds to a quantum's irradiance. `tells`: whether it says what it sees of the cluster that it was aimed at.
-vec3 shoot(Receiver r, uint index, uint sample_index, bool tells, inout Walk walk, inout Evidence evidence) {
+vec3 shoot(Receiver r, uint index, uint sample_index, bool tells, inout Evidence evidence) {
     Ray ray;
     Aim aim;
-    bool traced = aim_ray(r, index, sample_index, walk, ray, aim);
+    bool traced = aim_ray(r, index, sample_index, ray, aim);
     // One under the horizon has seen nothing either.
     tells = tells && aim.technique == BY_SOURCE;
-    uint sighting = r.view.row + walk.cluster;
+    uint sighting = r.row + aim.target.cluster;
     if (tells) atomicAdd(sightings[sighting], TRIED);
     if (!traced) return vec3(0.0);
     // Four of five lines of sight are blocked, which any hit tells; what they find is looked for at their end.
@@ -56,9 +56,8 @@ vec3 gather(Receiver r, uint quantum, inout Evidence evidence) {
     uint first = push.first_sample + quantum * push.rays;
     bool tells = VISIBILITY && quantum == push.evidence_quantum
                  && (r.key ^ r.key >> 16u) % max(push.step_texels, 1u) == 0u;
-    Walk walk = start_walk(r.view);
     vec3 sum = vec3(0.0);
-    for (uint index = 0u; index < push.rays; ++index) sum += shoot(r, index, first + index, tells, walk, evidence);
+    for (uint index = 0u; index < push.rays; ++index) sum += shoot(r, index, first + index, tells, evidence);
     return sum;
 }
 
@@ -132,7 +131,8 @@ void main() {
     r.frame = frame_of(r.surface.normal);
     r.key = texel.x | texel.y << 16u;
     bool mixed = IMPORTANCE && push.source_rays + push.sky_rays > 0u;
-    r.view = view_of(r.surface, texel, mixed);
+    r.row = mixed && CLUSTERS ? row_of(texel) : 0u;
+    r.source_total = mixed && !CLUSTERS ? pyramid_total(importance_map, push.map_size) : 0.0;
     r.sky_total = mixed && SKY_MAP ? pyramid_total(sky_importance_map, uvec2(textureSize(sky_map, 0))) : 0.0;
     Evidence evidence = NOTHING;
     vec3 irradiance = DYNAMIC ? gather_average(r, ivec2(texel), evidence) : gather_halves(r, ivec2(texel), evidence);

@@ -12,7 +12,8 @@ layout(set = 0, binding = 34, std430) buffer Clusters { Cluster clusters[]; };
 layout(set = 0, binding = 35, std430) readonly buffer ClusterTexels { uint cluster_texels[]; };
 layout(set = 0, binding = 36, std430) writeonly buffer ClusterSums { float cluster_sums[]; };
 
-shared float leaves[64];
+shared float sums[65];    // of leaves; the first is what comes before
+shared float total;
 shared vec4 moments[64];  // of places: sums weighed by the leaves, and of the squared distances
 shared vec4 facings[64];  // of normals; w: leaves that shine from both sides
 
@@ -45,48 +46,51 @@ void main() {
     uvec2 texel = uvec2(cluster_texels[first] & 0xffffu, cluster_texels[first] >> 16u);
     uvec4 g = imageLoad(surface_image, ivec2(texel));
     vec3 middle = centre_of(patch_of(texel, Piece(g.x - 1u, g.y, 0u, 0u)));
-    float total = 0.0;
+    if (lane == 0u) total = 0.0;
     for (uint begin = 0u; begin < count; begin += 64u) {
         uint place = first + begin + lane;
         bool has_texel = begin + lane < count;
         float area = 0.0;
-        leaves[lane] = 0.0;
+        float leaf = 0.0;
         if (has_texel) {
             texel = uvec2(cluster_texels[place] & 0xffffu, cluster_texels[place] >> 16u);
             g = imageLoad(surface_image, ivec2(texel));
             Shared s = pieces_of(texel, g);
             area = area_of_pieces(texel, s);
-            leaves[lane] = imageLoad(aimed_luminance_image, ivec2(texel)).x * (DYNAMIC ? 1.0 : area);
-            for (uint i = 0u; i < s.count && leaves[lane] > 0.0; ++i) {
+            leaf = imageLoad(aimed_luminance_image, ivec2(texel)).x * (DYNAMIC ? 1.0 : area);
+            for (uint i = 0u; i < s.count && leaf > 0.0; ++i) {
                 Piece piece = piece_at(s, i);
                 if (!is_present(piece)) continue;
                 Patch p = patch_of(texel, piece);
                 float part = length(area_of(p)) / area;
                 bool two_sided = !SINGLE_SIDED || (primitives[piece.primitive].flags & PRIMITIVE_DOUBLE_SIDED) != 0u;
-                add(middle, p, front_of(piece), two_sided, part * leaves[lane]);
+                add(middle, p, front_of(piece), two_sided, part * leaf);
             }
         }
+        sums[lane + 1u] = leaf;
         barrier();
-        // In order, for sums must not fall; they are few.
-        float below = total;
-        for (uint i = 0u; i < 64u; ++i) {
-            if (i == lane) below = total;
-            total += leaves[i];
+        // In order, for sums must not fall.
+        if (lane == 0u) {
+            sums[0] = total;
+            for (uint i = 1u; i <= 64u; ++i) sums[i] = total += sums[i];
         }
-        float sum = below + leaves[lane];
+        barrier();
+        float below = sums[lane], sum = sums[lane + 1u];
         if (has_texel) {
             cluster_sums[place] = sum;
             imageStore(aimed_luminance_image, ivec2(texel), vec4(aimed_luminance(sum - below, area)));
         }
         barrier();
     }
-    barrier();
-    if (lane != 0u) return;
-    vec4 moment = vec4(0.0), facing = vec4(0.0);
-    for (uint i = 0u; i < 64u; ++i) {
-        moment += moments[i];
-        facing += facings[i];
+    for (uint half_size = 32u; half_size > 0u; half_size /= 2u) {
+        if (lane < half_size) {
+            moments[lane] += moments[lane + half_size];
+            facings[lane] += facings[lane + half_size];
+        }
+        barrier();
     }
+    if (lane != 0u) return;
+    vec4 moment = moments[0], facing = facings[0];
     float inverse = total > 0.0 ? 1.0 / total : 0.0;
     vec3 way = moment.xyz * inverse;
     vec3 axis = facing.xyz * inverse;

@@ -28,14 +28,14 @@ void main() {
         r.sides = unpack_footprint(imageLoad(footprint_image, ivec2(texel)).x);
         r.frame = frame_of(r.surface.normal);
         r.key = code;
-        r.view = view_of(r.surface, texel, false);
+        r.row = 0u;
+        r.source_total = 0.0;
         r.sky_total = 0.0;
     }
-    Walk walk = start_walk(r.view);
     for (uint index = 0u; index < push.rays; ++index) {
         Ray ray = NOWHERE;
         Aim aim;
-        if (inside && !aim_ray(r, index, push.first_sample + index, walk, ray, aim)) ray = NOWHERE;
+        if (inside && !aim_ray(r, index, push.first_sample + index, ray, aim)) ray = NOWHERE;
         rays[slot + index * gl_WorkGroupSize.x] = ray;
     }
 }

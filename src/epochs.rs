@@ -44,6 +44,8 @@ const TOLERANCE: f64 = 1e-4;
 const WINDOW: usize = 16;
 /// Kept quanta of one epoch are not doubled beyond this, so that the first sample of a quantum stays below 2^31.
 const MOST_QUANTA: u32 = 1 << 20;
+/// Light of more than so many times what a closed room of the largest albedo would hold is none of the scene's.
+const MOST_BOUNCED: f64 = 4.0;
 /// Epochs in a row in which the change may grow before that counts as divergence.
 const GROWING: usize = 3;
 
@@ -119,8 +121,14 @@ impl Epochs {
         slowest.min(self.max_albedo)
     }
 
-    /// Whether the change has grown for three bounces: more light comes back than was there.
+    /// Whether the change has grown for three bounces, or there is much more light than all bounces together can bring: more
+    /// comes back than was there.
     pub(crate) fn grows(&self) -> bool {
+        let lit = self.radiance.iter().take(2).fold(0.0, |most: f64, radiance| most.max(*radiance));
+        let most = MOST_BOUNCED * lit / (1.0 - self.max_albedo);
+        if lit > 0.0 && self.radiance.last().is_some_and(|radiance| *radiance > most) {
+            return true;
+        }
         let changes = self.radiance.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect::<Vec<_>>();
         changes.windows(2).rev().take_while(|pair| pair[1] > pair[0] * (1.0 + 1e-6)).count() >= GROWING
     }

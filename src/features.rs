@@ -69,9 +69,9 @@ impl Features {
             (Self::SKY_CONSTANT | Self::SKY_MAP, "no sky"),
             (Self::LIGHTS, "no analytic lights: no direct pass and no map for it"),
             (Self::TEXTURES, "no textures"),
-            (Self::IMPORTANCE, "rays by the cosine alone: no pyramids and no lines of sight"),
+            (Self::IMPORTANCE, "rays by the cosine alone: none aimed, no lines of sight"),
             (Self::CLUSTERS, "no rays aimed by distance: no clusters of what shines"),
-            (Self::VISIBILITY, "none by what has been seen: no tables of it"),
+            (Self::VISIBILITY, "none by what has been seen: no rays counted"),
             (Self::DYNAMIC, "nothing changes: no running average, no second source map"),
         ];
         words.into_iter().filter(|(bit, _)| !self.intersects(*bit)).map(|(_, words)| words).collect()

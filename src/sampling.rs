@@ -31,9 +31,9 @@ pub enum Sampling {
 pub enum AimedBy {
     /// Luminance times area alone: the same for every texel, by a mip-map of sums.
     Power,
-    /// Power over squared distance, and the cosines at both ends, as the texel that the ray starts from sees it.
+    /// Power over squared distance, and the cosines at both ends, of clusters of texels as groups of texels see them.
     Distance,
-    /// As [`AimedBy::Distance`], times what earlier rays from there have shown to be visible. The default.
+    /// As [`AimedBy::Distance`], and by what a group's earlier rays have shown to be visible. The default.
     #[default]
     Visibility,
 }

@@ -23,6 +23,7 @@ const float BEYOND_SIGHT = 1.001;
 
 // What a line of sight must find.
 struct Target {
+    uint cluster;
     uvec2 texel;
     Piece piece;
 };
@@ -76,25 +77,11 @@ float cosine_at_piece(Hit hit, vec2 place, vec3 direction) {
     return 0.0;
 }
 
-// `mixed`: rays are aimed at all.
-View view_of(Surface s, uvec2 texel, bool mixed) {
-    View v = View(point_at(s, s.start), s.normal, 0u, 0.0);
-    if (!mixed) return v;
-    if (CLUSTERS) {
-        v.row = row_of(texel);
-        v.total = total_of(v);
-    } else {
-        v.total = pyramid_total(importance_map, push.map_size);
-    }
-    return v;
-}
-
-// The texel that `choice` in [0,1) chooses; false: there is none.
-bool choose_source(View v, float choice, float fresh, uint texel, uint sample_index, inout Walk walk, out uvec2 source) {
-    if (!CLUSTERS) return choose_leaf(importance_map, push.map_size, choice, texel, sample_index, source);
-    float u;
-    bool chosen = choose_cluster(v, choice, fresh, walk, u);
-    source = choose_texel(walk.cluster, u);
+// The texel that `choice` in [0,1) chooses; false: there is none. `row`: of the starting texel's group.
+bool choose_source(uint row, float choice, float fresh, uint texel, uint sample_index, inout Target target) {
+    if (!CLUSTERS) return choose_leaf(importance_map, push.map_size, choice, texel, sample_index, target.texel);
+    bool chosen = choose_cluster(row, fresh, choice, target.cluster);
+    target.texel = choose_texel(target.cluster, choice);
     return chosen;
 }
 
@@ -110,8 +97,8 @@ bool aim_at_texel(vec3 u, inout Ray ray, inout Target target) {
     return true;
 }
 
-// Density over solid angle of a ray that the source technique aims to where this one hit.
-float source_density(Hit hit, vec2 place, vec3 direction, View v) {
+// Density over solid angle of a ray that the source technique aims to where this one hit. `total`: of the pyramid.
+float source_density(Hit hit, vec2 place, vec3 direction, uint row, float total) {
     uvec2 texel = uvec2(place);
     float luminance = imageLoad(aimed_luminance_image, ivec2(texel)).x;
     float cosine = luminance > 0.0 ? cosine_at_piece(hit, place, direction) : 0.0;
@@ -122,9 +109,10 @@ float source_density(Hit hit, vec2 place, vec3 direction, View v) {
     }
     if (CLUSTERS) {
         uint cluster = cluster_of(texel);
-        luminance *= weight_of(v, cluster) / clusters[cluster].power;
+        luminance *= share_of(row, cluster);
+        total = clusters[cluster].power;
     }
-    return min(luminance / v.total * hit.t / cosine * hit.t, MOST_DENSITY);
+    return min(luminance / total * hit.t / cosine * hit.t, MOST_DENSITY);
 }
 
 // Toward a pixel of the sky that `choice` chooses, evenly over its solid angle.

@@ -26,8 +26,9 @@ struct Receiver {
     mat3 frame;
     vec4 sides;
     uint key;
-    View view;        // of what rays are aimed at; without clusters the pyramid's total alone
-    float sky_total;  // of the sky's pyramid
+    uint row;            // of its group, where there are clusters
+    float source_total;  // of the pyramid, where there are none
+    float sky_total;     // of the sky's pyramid
 };
 
 // What a ray must find.
@@ -59,7 +60,7 @@ const vec3 LUMINANCE = vec3(0.2126, 0.7152, 0.0722);
 
 // Where ray `index` of a quantum goes; false: nowhere, and no ray is traced. Techniques take turns, each over strata of
 // its own.
-bool aim_ray(Receiver r, uint index, uint sample_index, inout Walk walk, out Ray ray, out Aim aim) {
+bool aim_ray(Receiver r, uint index, uint sample_index, out Ray ray, out Aim aim) {
     uint cosine_rays = push.rays - push.source_rays - push.sky_rays;
     vec4 u = random4(r.key, sample_index, 0u);
     vec3 point = point_at(r.surface, choose_point(r.surface, r.sides, r.key, sample_index, u.zw));
@@ -74,7 +75,7 @@ bool aim_ray(Receiver r, uint index, uint sample_index, inout Walk walk, out Ray
         v.x += v.z / 16777216.0;
         if (aim.technique == BY_SOURCE) {
             float choice = (float(index - cosine_rays) + v.x) / float(push.source_rays);
-            aimed = choose_source(r.view, choice, v.w, r.key, sample_index, walk, aim.target.texel)
+            aimed = choose_source(r.row, choice, v.w, r.key, sample_index, aim.target)
                     && aim_at_texel(vec3(u.xy, v.y), ray, aim.target);
         } else {
             float choice = (float(index - cosine_rays - push.source_rays) + v.x) / float(push.sky_rays);
@@ -94,7 +95,7 @@ vec3 weigh(Receiver r, Hit hit, vec3 direction, Aim aim, inout Evidence evidence
     float rays = float(hit.committed ? push.source_rays : push.sky_rays);
     bool mapped = !UNMAPPED || (primitives[hit.primitive].flags & PRIMITIVE_MAPPED) != 0u;
     float aimed = 0.0;
-    if (hit.committed && mapped) aimed = source_density(hit, place, direction, r.view);
+    if (hit.committed && mapped) aimed = source_density(hit, place, direction, r.row, r.source_total);
     if (SKY_MAP && !hit.committed) aimed = sky_density(direction, r.sky_total);
     if (aim.technique != BY_COSINE) {
         // A line of sight counts where it finds the very texel.

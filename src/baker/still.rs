@@ -50,8 +50,9 @@ struct State {
 /// Rays of a quantum that is kept, each of a stratum of its own. Lavapipe, a game level, Mrays/s: 16 rays 3.7, 64 rays
 /// 4.0 to 4.9, for neighbouring texels' rays then are all but parallel.
 const RAYS: u32 = 64;
-/// The same for bounce epochs, which only have to carry the mean.
-const BOUNCE_RAYS: u32 = 16;
+/// The same for bounce epochs, which only have to carry the mean. A game level of nine bounces, median difference from a
+/// reference after the first 64 kept samples: 8 rays 12.9 % in 3.1 s, 4 rays 14.9 % in 2.3 s, 16 rays in 5.0 s.
+const BOUNCE_RAYS: u32 = 8;
 /// In so many bounce epochs rays are aimed anew, at what the first bounces show; then they stay the same.
 const AIMED_BOUNCES: u32 = 2;
 /// Random numbers of bounce epochs start here, above those of kept samples.

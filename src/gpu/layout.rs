@@ -44,8 +44,9 @@ pub(crate) mod binding {
     pub(crate) const CLUSTER_TEXELS: u32 = 35;
     pub(crate) const CLUSTER_SUMS: u32 = 36;
     pub(crate) const SEATS: u32 = 37;
-    pub(crate) const VISIBILITY: u32 = 38;
+    pub(crate) const WEIGHTS: u32 = 38;
     pub(crate) const SIGHTINGS: u32 = 39;
+    pub(crate) const GROUP_ENDS: u32 = 40;
 }
 
 /// What a hit needs of a triangle.

@@ -37,7 +37,7 @@ pub(crate) use recorder::{Recorder, Rendering};
 pub(crate) use sampler::Sampler;
 pub(crate) use shader::{
     BAKE, CLUSTERS, DILATE, DIRECT, EMIT, GBUFFER_FRAG, GBUFFER_VERT, IMPORTANCE, PUBLISH, RESOLVE, SETTLE, SOURCE,
-    TRACE, VISIBILITY,
+    TRACE, WEIGHTS,
 };
 pub(crate) use timer::{MARKS, Stopwatch, Timer};
 

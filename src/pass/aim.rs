@@ -1,4 +1,5 @@
-//! What rays are aimed by, made as a whole or in parts: the leaves, and above them the clusters or the mip-map of sums.
+//! What rays are aimed by, made as a whole or in parts: the leaves, and above them the clusters with their weights, or the
+//! mip-map of sums.
 
 use super::{Clusters, Context, Importance};
 use crate::error::Result;
@@ -29,15 +30,15 @@ impl Aim {
         self.leaves.record_leaves(recorder, push, 0, 0..1, true);
         if let Some(clusters) = &self.clusters {
             clusters.record(recorder, push, 0..1);
-            clusters.record_visibility(recorder, push, 0..0);
+            clusters.record_weights(recorder, push, 0..0);
         }
     }
 
     /// Parts that [`Aim::record`] may be cut into: rows of leaves, then as many parts of the clusters, which hold the same
-    /// texels.
+    /// texels, and as many of the groups.
     pub(crate) fn parts(&self) -> u32 {
         let rows = self.leaves.rows();
-        if self.clusters.is_some() { 2 * rows } else { rows }
+        if self.clusters.is_some() { 3 * rows } else { rows }
     }
 
     /// Records some parts, in order; with the last one also what is made of all. `source`: which map is read; `sums`:
@@ -51,26 +52,29 @@ impl Aim {
         sums: bool,
     ) {
         let rows = self.leaves.rows();
-        let of_leaves = parts.start.min(rows)..parts.end.min(rows);
+        // What the range has of the third that begins at `first`, where `count` things lie in a third.
+        let within = |first: u32, count: u32| {
+            let place =
+                |part: u32| u64::from(part.clamp(first, first + rows) - first) * u64::from(count) / u64::from(rows);
+            place(parts.start) as u32..place(parts.end) as u32
+        };
+        let of_leaves = within(0, rows);
         if !of_leaves.is_empty() {
             self.leaves.record_leaves(recorder, push, source, of_leaves, sums);
         }
-        let is_last = parts.end == self.parts();
         let Some(clusters) = &self.clusters else {
-            if is_last {
+            if parts.end == rows {
                 self.leaves.record_levels(recorder, push);
             }
             return;
         };
-        // Parts begin and end where clusters do.
-        let cluster =
-            |part: u32| (u64::from(part.saturating_sub(rows)) * u64::from(clusters.count()) / u64::from(rows)) as u32;
-        let of_clusters = cluster(parts.start)..cluster(parts.end);
+        let of_clusters = within(rows, clusters.count());
         if !of_clusters.is_empty() {
             clusters.record(recorder, push, of_clusters);
         }
-        if is_last {
-            clusters.record_visibility(recorder, push, 0..clusters.entries());
+        let of_groups = within(2 * rows, clusters.groups());
+        if !of_groups.is_empty() {
+            clusters.record_weights(recorder, push, of_groups);
         }
     }
 

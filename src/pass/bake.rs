@@ -70,7 +70,7 @@ pub(super) fn resources<'a>(
         (binding::CLUSTER_TEXELS, Resource::Storage(&maps.sources.texels)),
         (binding::CLUSTER_SUMS, Resource::Storage(&maps.sources.sums)),
         (binding::SEATS, Resource::StorageImage(&maps.sources.seats)),
-        (binding::VISIBILITY, Resource::Storage(&maps.sources.visibility)),
+        (binding::WEIGHTS, Resource::Storage(&maps.sources.weights)),
         (binding::SIGHTINGS, Resource::Storage(&maps.sources.sightings)),
     ]);
     resources

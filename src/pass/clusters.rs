@@ -1,15 +1,15 @@
 //! Clusters of source texels that rays are aimed by, and what groups of texels have seen of them. Reads the surface map and
-//! the pyramid's leaves; writes the clusters and the leaves' sums within each. One work group a cluster. What was seen is
-//! read and turned into shares by one invocation for each group and cluster.
+//! the pyramid's leaves; writes the clusters and the leaves' sums within each: one work group a cluster. Then reads the
+//! clusters and what was seen of them, and writes the weights by which each group chooses: one work group a group.
 
-use super::{Context, DeviceScene};
+use super::{Context, DeviceScene, GROUPS_IN_A_ROW};
 use crate::bvh::Bvh;
 use crate::clusters::{Clusters as Layout, LEAST_GROUP_SITES, MOST_CLUSTERS, MOST_GROUPS, Site};
 use crate::error::Result;
 use crate::gpu::layout::{self, Push, binding};
 use crate::gpu::{
     BindingSet, Buffer, BufferDesc, CLUSTERS, Commands, ComputePipeline, Image, ImageDesc, Location, Recorder,
-    Resource, VISIBILITY,
+    Resource, WEIGHTS,
 };
 use ash::vk;
 use bytemuck::Zeroable;
@@ -31,8 +31,10 @@ pub(crate) struct Sources {
     pub(super) sums: Buffer,
     /// `[texel]`: group and cluster.
     pub(super) seats: Image,
-    /// `[group][cluster]`: what an aimed ray is worth for being seen.
-    pub(super) visibility: Buffer,
+    /// `[group]`: where it ends, in places.
+    group_ends: Buffer,
+    /// `[group][cluster]`: sums of what a group's texels choose clusters by.
+    pub(super) weights: Buffer,
     /// `[group][cluster]`: rays aimed, and above them those that found their aim.
     pub(super) sightings: Buffer,
     cluster_count: u32,
@@ -82,7 +84,8 @@ impl Sources {
             sums: upload(commands, "sums within clusters", &vec![0.0_f32; places.len()])?,
             texels: upload(commands, "texels of clusters", places)?,
             seats: commands.upload_image(desc, &seats)?,
-            visibility: upload(commands, "visibility", &vec![1.0_f32; table.len()])?,
+            group_ends: upload(commands, "groups", &layout.groups.iter().map(|range| range.end).collect::<Vec<_>>())?,
+            weights: upload(commands, "weights of clusters", &vec![0.0_f32; table.len()])?,
             sightings: upload(commands, "sightings", &table)?,
             cluster_count: clusters.len() as u32,
             group_count: layout.groups.len() as u32,
@@ -163,10 +166,10 @@ fn seats_of(layout: &Layout, places: &[u32], [width, height]: [u32; 2]) -> Vec<u
 pub(crate) struct Clusters {
     pipeline: ComputePipeline,
     set: BindingSet,
-    visibility: ComputePipeline,
-    visibility_set: BindingSet,
+    weights: ComputePipeline,
+    weights_set: BindingSet,
     count: u32,
-    entries: u32,
+    groups: u32,
     tells_every: u32,
 }
 
@@ -185,15 +188,19 @@ impl Clusters {
         ]);
         let pipeline = ComputePipeline::new(context.gpu, &CLUSTERS, context.constants, &resources)?;
         let set = pipeline.bind(&resources)?;
-        let tables = [
+        let mut tables = context.scene.surface_resources();
+        tables.extend([
+            (binding::SURFACE, Resource::StorageImage(&maps.surface)),
+            (binding::CLUSTERS, Resource::Storage(&sources.clusters)),
+            (binding::CLUSTER_TEXELS, Resource::Storage(&sources.texels)),
+            (binding::GROUP_ENDS, Resource::Storage(&sources.group_ends)),
             (binding::SIGHTINGS, Resource::Storage(&sources.sightings)),
-            (binding::VISIBILITY, Resource::Storage(&sources.visibility)),
-        ];
-        let visibility = ComputePipeline::new(context.gpu, &VISIBILITY, context.constants, &tables)?;
-        let visibility_set = visibility.bind(&tables)?;
-        let (count, entries) = (sources.cluster_count, sources.cluster_count * sources.group_count);
-        let tells_every = sources.tells_every;
-        Ok(Self { pipeline, set, visibility, visibility_set, count, entries, tells_every })
+            (binding::WEIGHTS, Resource::Storage(&sources.weights)),
+        ]);
+        let weights = ComputePipeline::new(context.gpu, &WEIGHTS, context.constants, &tables)?;
+        let weights_set = weights.bind(&tables)?;
+        let (count, groups, tells_every) = (sources.cluster_count, sources.group_count, sources.tells_every);
+        Ok(Self { pipeline, set, weights, weights_set, count, groups, tells_every })
     }
 
     /// Clusters, which [`Clusters::record`] may be cut into.
@@ -201,9 +208,9 @@ impl Clusters {
         self.count
     }
 
-    /// Entries of the tables, which [`Clusters::record_visibility`] may be cut into.
-    pub(crate) fn entries(&self) -> u32 {
-        self.entries
+    /// Groups, which [`Clusters::record_weights`] may be cut into.
+    pub(crate) fn groups(&self) -> u32 {
+        self.groups
     }
 
     /// One in so many texels tells what it sees, so that counts do not overflow.
@@ -218,9 +225,13 @@ impl Clusters {
         recorder.dispatch(&self.pipeline, &self.set, &push, groups, c"clusters");
     }
 
-    /// Records what has been learned of visibility since the last time.
-    pub(crate) fn record_visibility(&self, recorder: &mut Recorder<'_>, push: &Push, entries: Range<u32>) {
-        let push = Push { first_texel: entries.start, texel_count: entries.end - entries.start, ..*push };
-        recorder.dispatch(&self.visibility, &self.visibility_set, &push, super::groups_of(&push), c"visibility");
+    /// Records the weights of all clusters for these groups, once the clusters are whole, and with what has been learned of
+    /// visibility since the last time.
+    pub(crate) fn record_weights(&self, recorder: &mut Recorder<'_>, push: &Push, groups: Range<u32>) {
+        let push = Push { first_texel: groups.start, texel_count: groups.end - groups.start, ..*push };
+        // A group has a work group of its own.
+        let columns = push.texel_count.clamp(1, GROUPS_IN_A_ROW);
+        let rows = push.texel_count.div_ceil(columns).max(1);
+        recorder.dispatch(&self.weights, &self.weights_set, &push, [columns, rows], c"weights");
     }
 }

@@ -123,7 +123,8 @@ fn bake_text(scene: &Scene, arguments: &SceneArguments) -> Result<String> {
     memory_text(&mut text, &memory);
     text.line("left out");
     // As `bake` samples unless it is told otherwise.
-    let left_out = (Features::required(scene) | Features::IMPORTANCE).left_out();
+    let aimed = Features::IMPORTANCE | Features::CLUSTERS | Features::VISIBILITY;
+    let left_out = (Features::required(scene) | aimed).left_out();
     left_out.iter().for_each(|what| text.line(format_args!("  {what}")));
     if left_out.is_empty() {
         text.line("  nothing");

@@ -137,8 +137,9 @@ fn host_bindings() -> BTreeMap<u32, BTreeSet<Kind>> {
         (binding::CLUSTER_TEXELS, vec![storage("u32")]),
         (binding::CLUSTER_SUMS, vec![storage("f32")]),
         (binding::SEATS, vec![image("R32ui")]),
-        (binding::VISIBILITY, vec![storage("f32")]),
+        (binding::WEIGHTS, vec![storage("f32")]),
         (binding::SIGHTINGS, vec![storage("u32")]),
+        (binding::GROUP_ENDS, vec![storage("u32")]),
     ];
     bindings.into_iter().map(|(binding, kinds)| (binding, kinds.into_iter().collect())).collect()
 }
