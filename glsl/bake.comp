@@ -54,8 +54,8 @@ vec3 shoot(Receiver r, uint index, uint sample_index, bool tells, inout Evidence
 // Mean irradiance of a quantum.
 vec3 gather(Receiver r, uint quantum, inout Evidence evidence) {
     uint first = push.first_sample + quantum * push.rays;
-    bool tells = VISIBILITY && quantum == push.evidence_quantum
-                 && (r.key ^ r.key >> 16u) % max(push.step_texels, 1u) == 0u;
+    bool tells = VISIBILITY && quantum == push.evidence_quantum && push.step_texels > 0u
+                 && (r.key * 2654435761u >> 16u) % max(push.step_texels, 1u) == 0u;
     vec3 sum = vec3(0.0);
     for (uint index = 0u; index < push.rays; ++index) sum += shoot(r, index, first + index, tells, evidence);
     return sum;

@@ -12,6 +12,9 @@ layout(set = 0, binding = 34, std430) buffer Clusters { Cluster clusters[]; };
 layout(set = 0, binding = 35, std430) readonly buffer ClusterTexels { uint cluster_texels[]; };
 layout(set = 0, binding = 36, std430) writeonly buffer ClusterSums { float cluster_sums[]; };
 
+// Less has no inverse.
+const float LEAST_POWER = 1e-37;
+
 shared float sums[65];    // of leaves; the first is what comes before
 shared float total;
 shared vec4 moments[64];  // of places: sums weighed by the leaves, and of the squared distances
@@ -28,12 +31,17 @@ vec3 front_of(Piece piece) {
     return to_world_normal(piece.instance, normalize(n / max(abs(n.x), max(abs(n.y), abs(n.z)))));
 }
 
-void add(vec3 middle, Patch p, vec3 front, bool two_sided, float leaf) {
+// In units of the scene's reach, so that no product is beyond 32-bit floats.
+void add(vec3 middle, Patch p, float reach, vec3 front, bool two_sided, float leaf) {
     uint lane = gl_LocalInvocationIndex;
-    vec3 way = centre_of(p) - middle;
-    vec2 sides = p.hi - p.lo;
-    float within = (dot(p.du, p.du) * sides.x * sides.x + dot(p.dv, p.dv) * sides.y * sides.y) / 12.0;
-    moments[lane] += leaf * vec4(way, dot(way, way) + within);
+    vec3 way = (centre_of(p) - middle) / reach;
+    vec2 sides = (p.hi - p.lo) / reach;
+    vec3 du = p.du * sides.x, dv = p.dv * sides.y;
+    float within = (dot(du, du) + dot(dv, dv)) / 12.0;
+    vec4 moment = vec4(way, dot(way, way) + within);
+    // A sliver whose plane is no number has no place.
+    if (any(isnan(moment)) || any(isinf(moment))) moment = vec4(0.0);
+    moments[lane] += leaf * moment;
     facings[lane] += leaf * vec4(two_sided ? vec3(0.0) : front, two_sided ? 1.0 : 0.0);
 }
 
@@ -46,6 +54,8 @@ void main() {
     uvec2 texel = uvec2(cluster_texels[first] & 0xffffu, cluster_texels[first] >> 16u);
     uvec4 g = imageLoad(surface_image, ivec2(texel));
     vec3 middle = centre_of(patch_of(texel, Piece(g.x - 1u, g.y, 0u, 0u)));
+    // The origin offset is 2^-17 of it.
+    float reach = max(push.origin_offset * 131072.0, 1e-30);
     if (lane == 0u) total = 0.0;
     for (uint begin = 0u; begin < count; begin += 64u) {
         uint place = first + begin + lane;
@@ -64,7 +74,7 @@ void main() {
                 Patch p = patch_of(texel, piece);
                 float part = length(area_of(p)) / area;
                 bool two_sided = !SINGLE_SIDED || (primitives[piece.primitive].flags & PRIMITIVE_DOUBLE_SIDED) != 0u;
-                add(middle, p, front_of(piece), two_sided, part * leaf);
+                add(middle, p, reach, front_of(piece), two_sided, part * leaf);
             }
         }
         sums[lane + 1u] = leaf;
@@ -91,14 +101,14 @@ void main() {
     }
     if (lane != 0u) return;
     vec4 moment = moments[0], facing = facings[0];
-    float inverse = total > 0.0 ? 1.0 / total : 0.0;
+    float inverse = total > LEAST_POWER ? 1.0 / total : 0.0;
     vec3 way = moment.xyz * inverse;
     vec3 axis = facing.xyz * inverse;
     float two_sided = facing.w * inverse;
-    clusters[index].centre = middle + way;
-    clusters[index].spread = sqrt(max(moment.w * inverse - dot(way, way), 0.0));
+    clusters[index].centre = middle + way * reach;
+    clusters[index].spread = sqrt(max(moment.w * inverse - dot(way, way), 0.0)) * reach;
     clusters[index].axis = axis;
     // Normals that do not agree leave a shorter axis.
     clusters[index].even = two_sided + 0.5 * max(1.0 - two_sided - length(axis), 0.0);
-    clusters[index].power = total;
+    clusters[index].power = total > LEAST_POWER ? total : 0.0;
 }

@@ -25,6 +25,8 @@ layout(set = 0, binding = 20, std430) writeonly buffer Sums { vec4 sums[]; };
 
 // No leaf is larger, so that no sum of 2^28 of them is beyond 32-bit floats.
 const float MOST = 1e30;
+// Less loses bits, and is no longer what its density says.
+const float LEAST = 1e-36;
 
 shared vec4 group[64][3];
 
@@ -63,7 +65,7 @@ float source_leaf(ivec2 texel, inout vec4 mine[3]) {
     float leaf = luminance * area;
     // Written so that what is no number fails.
     bool is_light = leaf >= 0.0 && leaf <= 3.4e38;
-    if (!is_light) leaf = 0.0;
+    if (!is_light || leaf < LEAST) leaf = 0.0;
     leaf = min(leaf, MOST);
     imageStore(aimed_luminance_image, texel, vec4(aimed_luminance(leaf, area)));
     mine[0] += vec4(leaf, leaf * luminance, area, is_light ? 0.0 : 1.0);

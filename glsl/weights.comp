@@ -51,7 +51,8 @@ Middle middle_of(uint first, uint end) {
             if (lane == 0u) places[0] = vec4(0.0);
         }
         vec3 way = place - origin;
-        if (inside) {
+        // A sliver whose plane is no number has no place.
+        if (inside && dot(way, way) < 1e36) {
             places[lane] += vec4(way, dot(way, way));
             normals[lane] += vec4(s.normal, 1.0);
         }
@@ -64,8 +65,10 @@ Middle middle_of(uint first, uint end) {
         }
         barrier();
     }
-    vec4 normal = normals[0], place = places[0] / normal.w;
-    return Middle(origin + place.xyz, sqrt(max(place.w - dot(place.xyz, place.xyz), 0.0)), normal.xyz / normal.w);
+    float count = max(normals[0].w, 1.0);
+    vec4 place = places[0] / count;
+    float spread = sqrt(max(place.w - dot(place.xyz, place.xyz), 0.0));
+    return Middle(origin + place.xyz, spread, normals[0].xyz / count);
 }
 
 float weight_of(Middle from, Cluster c) {
@@ -102,7 +105,8 @@ void main() {
         if (begin + lane < count) {
             weight = weight_of(from, clusters[begin + lane]);
             if (VISIBILITY) weight *= visibility_of(entry);
-            weight = min(weight, MOST_WEIGHT);
+            // What is no number has none, and is then found by chance.
+            weight = weight >= 0.0 ? min(weight, MOST_WEIGHT) : 0.0;
         }
         weighed[lane] = weight;
         barrier();

@@ -30,7 +30,8 @@ pub(crate) struct Clusters {
     pub(crate) group_sites: u32,
 }
 
-/// Clusters at most: what a texel weighs anew for each dispatch.
+/// Clusters at most: what each group weighs. Of a game level: 64, 128 and 256 had an estimated error of 8.2, 8.2 and 7.9 %
+/// after 512 samples.
 pub(crate) const MOST_CLUSTERS: usize = 256;
 /// Groups, about, at most: with as many clusters, tables of 16 MiB.
 pub(crate) const MOST_GROUPS: usize = 8192;
@@ -38,6 +39,8 @@ pub(crate) const MOST_GROUPS: usize = 8192;
 pub(crate) const LEAST_GROUP_SITES: usize = 64;
 /// What a share of the area counts beside a share of the emitted power: surfaces shine once light falls on them.
 const AREA_WEIGHT: f32 = 0.5;
+/// Sites that a cluster may have in any case.
+const LEAST_LARGE: usize = 4096;
 /// Normals that differ by more than this along an axis are parted before places are.
 const NORMALS_APART: f32 = 1.0;
 
@@ -87,11 +90,14 @@ fn cluster(sites: &[Site], order: &mut [u32]) -> Vec<Range<usize>> {
     let total = |of: fn(&Site) -> f32| sites.iter().map(|site| f64::from(of(site))).sum::<f64>() as f32;
     let (power, area) = (total(|site| site.power), total(|site| site.area));
     let share = |part: f32, whole: f32| if whole > 0.0 && whole.is_finite() { part / whole } else { 0.0 };
+    // One work group sums up a cluster.
+    let most = LEAST_LARGE.max(2 * sites.len() / MOST_CLUSTERS);
     let candidate = |order: &[u32], range: Range<usize>| {
         let (axis, extent) = widest(sites, &order[range.clone()]);
         let members = order[range.clone()].iter().map(|index| &sites[*index as usize]);
         let weight = members.map(|site| share(site.power, power) + AREA_WEIGHT * share(site.area, area)).sum::<f32>();
-        Candidate { cost: weight * extent * extent, range, axis }
+        let cost = if range.len() > most { f32::MAX } else { weight * extent * extent };
+        Candidate { cost, range, axis }
     };
     let mut waiting: BinaryHeap<Candidate> =
         kinds(sites, order).into_iter().map(|range| candidate(order, range)).collect();

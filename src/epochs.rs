@@ -202,6 +202,20 @@ mod tests {
     }
 
     #[test]
+    fn light_beyond_all_bounces_grows() {
+        let mut epochs = Epochs::new(Bounces::Auto, 0.5, 0.1);
+        // Light from lamps that are no surfaces comes with the first bounce.
+        for radiance in [2.0, 3.0, 2.5, 15.0] {
+            epochs.bounced(radiance).expect("converges");
+            assert!(!epochs.grows(), "{radiance}");
+        }
+        epochs.bounced(17.0).expect("is not yet an error");
+        assert!(epochs.grows());
+        epochs.start_over();
+        assert!(!epochs.grows());
+    }
+
+    #[test]
     fn a_scene_without_light_stops_bouncing() {
         let mut epochs = Epochs::new(Bounces::Auto, 0.5, 0.0);
         for _ in 0..2 {

@@ -1,13 +1,14 @@
 //! Traces rays of the caller's choice on the device: for comparing back ends with each other and with the host.
 
 use crate::bvh::{Bvh, Hit, Ray};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::features::Features;
 use crate::gpu::layout::{Answer, Push, TracedRay};
 use crate::gpu::{BindingSet, Buffer, BufferDesc, Commands, Constants, Gpu, Location, Stopwatch};
 use crate::pass::{DeviceScene, Query, Trace};
 use crate::scene::Scene;
 use ash::vk;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
 /// A scene on the device, ready to be traced.
@@ -18,10 +19,17 @@ pub struct Tracer {
     trace: Trace,
     scene: DeviceScene,
     push: Push,
+    id: u64,
 }
 
-/// Rays on the device, with room for their answers: 80 bytes each. They belong to the tracer that loaded them.
-pub struct LoadedRays(Vec<Batch>);
+/// Rays on the device, with room for their answers: 80 bytes each. Only the tracer that loaded them takes them.
+pub struct LoadedRays {
+    tracer: u64,
+    batches: Vec<Batch>,
+}
+
+/// Tracers that have been made.
+static TRACERS: AtomicU64 = AtomicU64::new(0);
 
 /// Rays of one dispatch.
 struct Batch {
@@ -47,7 +55,8 @@ impl Tracer {
         let scene = DeviceScene::new(gpu, &mut commands, scene, bvh, features)?;
         let trace = Trace::new(gpu, Constants::new(features, bvh), &scene)?;
         let push = Push { root: bvh.root(), ..Push::default() };
-        Ok(Self { gpu: gpu.clone(), commands, stopwatch, trace, scene, push })
+        let id = TRACERS.fetch_add(1, Ordering::Relaxed);
+        Ok(Self { gpu: gpu.clone(), commands, stopwatch, trace, scene, push, id })
     }
 
     /// Closest hits, `[ray]`. `skip` is `[ray]` too: the (instance, primitive) that a ray starts from and does not hit.
@@ -76,7 +85,17 @@ impl Tracer {
     /// `OutOfMemory`, `DeviceLost` or `Driver` from the device.
     pub fn load(&mut self, rays: &[Ray], skip: &[Option<(u32, u32)>]) -> Result<LoadedRays> {
         let chunks = rays.chunks(BATCH).zip(skip.chunks(BATCH));
-        Ok(LoadedRays(chunks.map(|(rays, skip)| self.load_batch(rays, skip)).collect::<Result<_>>()?))
+        let batches = chunks.map(|(rays, skip)| self.load_batch(rays, skip)).collect::<Result<_>>()?;
+        Ok(LoadedRays { tracer: self.id, batches })
+    }
+
+    /// Descriptors hold what the tracer that made them owns.
+    fn check(&self, rays: &LoadedRays) -> Result<()> {
+        let (mine, theirs) = (self.id, rays.tracer);
+        if mine == theirs {
+            return Ok(());
+        }
+        Err(Error::settings(format!("the rays are those of tracer {theirs}; allowed are those of this one, {mine}")))
     }
 
     fn load_batch(&mut self, rays: &[Ray], skip: &[Option<(u32, u32)>]) -> Result<Batch> {
@@ -95,10 +114,11 @@ impl Tracer {
     /// none. A driver that compiles at the first use does so in the first call for each query.
     ///
     /// # Errors
-    /// `DeviceLost` or `Driver` from the device.
+    /// `InvalidSettings` for rays of another tracer; `DeviceLost` or `Driver` from the device.
     pub fn time(&mut self, rays: &LoadedRays, query: Query) -> Result<Duration> {
+        self.check(rays)?;
         let mut sum = Duration::ZERO;
-        for batch in &rays.0 {
+        for batch in &rays.batches {
             let (trace, push) = (&self.trace, &self.push);
             sum += self.stopwatch.run(&mut self.commands, |recorder| {
                 trace.record(recorder, query, &batch.set, push, batch.count);
@@ -110,10 +130,11 @@ impl Tracer {
     /// What the last [`Tracer::time`] found, `[ray]`. Of a query for any hit only whether there is one means something.
     ///
     /// # Errors
-    /// `OutOfMemory`, `DeviceLost` or `Driver` from the device.
+    /// `InvalidSettings` for rays of another tracer; `OutOfMemory`, `DeviceLost` or `Driver` from the device.
     pub fn answers(&mut self, rays: &LoadedRays) -> Result<Vec<Option<Hit>>> {
+        self.check(rays)?;
         let mut hits = Vec::new();
-        for batch in &rays.0 {
+        for batch in &rays.batches {
             let size = u64::from(batch.count) * size_of::<Answer>() as u64;
             let (usage, location) = (vk::BufferUsageFlags::TRANSFER_DST, Location::ReadBack);
             let answers = Buffer::new(&self.gpu, BufferDesc { name: "answers", size, usage, location })?;

@@ -30,7 +30,8 @@ float weight_before(uint row, uint cluster) {
 
 // A cluster's share of all weights.
 float share_of(uint row, uint cluster) {
-    return (weights[row + cluster] - weight_before(row, cluster)) / total_weight(row);
+    float total = total_weight(row);
+    return total > 0.0 ? (weights[row + cluster] - weight_before(row, cluster)) / total : 0.0;
 }
 
 // The cluster that `u` in [0,1) chooses. What is left of it chooses within the cluster: bits that it has lost are made up
@@ -47,8 +48,9 @@ bool choose_cluster(uint row, float fresh, inout float u, out uint cluster) {
     cluster = low;
     float before = weight_before(row, cluster);
     float weight = weights[row + cluster] - before;
+    if (!(weight > 0.0)) return false;
     u = clamp((x - before + fresh * (total / 16777216.0)) / weight, 0.0, 0.99999994);
-    return weight > 0.0;
+    return true;
 }
 
 // The texel of a cluster that `u` chooses by its leaf.

@@ -80,9 +80,9 @@ float cosine_at_piece(Hit hit, vec2 place, vec3 direction) {
 // The texel that `choice` in [0,1) chooses; false: there is none. `row`: of the starting texel's group.
 bool choose_source(uint row, float choice, float fresh, uint texel, uint sample_index, inout Target target) {
     if (!CLUSTERS) return choose_leaf(importance_map, push.map_size, choice, texel, sample_index, target.texel);
-    bool chosen = choose_cluster(row, fresh, choice, target.cluster);
+    if (!choose_cluster(row, fresh, choice, target.cluster)) return false;
     target.texel = choose_texel(target.cluster, choice);
-    return chosen;
+    return true;
 }
 
 // From the ray's origin to a point of a texel that `u` chooses.
@@ -110,7 +110,7 @@ float source_density(Hit hit, vec2 place, vec3 direction, uint row, float total)
     if (CLUSTERS) {
         uint cluster = cluster_of(texel);
         luminance *= share_of(row, cluster);
-        total = clusters[cluster].power;
+        total = max(clusters[cluster].power, 1e-37);
     }
     return min(luminance / total * hit.t / cosine * hit.t, MOST_DENSITY);
 }

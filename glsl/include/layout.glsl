@@ -128,7 +128,7 @@ layout(push_constant, std430) uniform Push {
     float origin_offset;  // along the geometric normal, scene units
     uvec2 seed;
     uint instance;        // gbuffer: the instance drawn; importance: 1 = of the sky
-    // dilate: how far to look, 0 = fill; emit: from one work group to the next; bake: one in so many tells what it sees
+    // dilate: how far to look, 0 = fill; emit: from one work group to the next; bake: one in so many tells what it sees, 0 = none
     uint step_texels;
     float mean_luminance; // resolve, bake: of the last estimate
     uint rays;            // bake: of a quantum, those below included

@@ -52,11 +52,11 @@ impl Aiming {
         aimed
     }
 
-    /// A quantum of `rays`, some of them aimed.
-    pub(super) fn push(&self, push: Push, rays: u32, epoch: Epoch) -> Push {
+    /// A quantum of `rays`, some of them aimed. `refreshes`: whether what they see is looked at after the epoch.
+    pub(super) fn push(&self, push: Push, rays: u32, epoch: Epoch, refreshes: bool) -> Push {
         let by_cosine = self.bounces_by_cosine && epoch == Epoch::Bounce;
         let [source_rays, sky_rays] = if by_cosine { [0, 0] } else { self.chooser.shares().aimed_rays(rays) };
-        let step_texels = self.pass.as_ref().map_or(1, Aim::tells_every);
+        let step_texels = self.pass.as_ref().filter(|_| refreshes).map_or(0, Aim::tells_every);
         Push { rays, source_rays, sky_rays, step_texels, mean_luminance: self.mean_luminance, ..push }
     }
 

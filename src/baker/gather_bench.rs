@@ -60,7 +60,7 @@ impl GatherBench {
         self.core.texels.count
     }
 
-    /// At most `count` rays, and few less, from all over the light map.
+    /// `count` rays, from all over the light map.
     ///
     /// # Errors
     /// `InvalidScene` where no texel takes rays; `OutOfMemory`, `DeviceLost` or `Driver` from the device.

@@ -193,9 +193,12 @@ impl Still {
 
     /// One slice of rays.
     fn gather(&mut self, core: &mut Core, state: &State, rays: u32, unit: Unit) -> Result<()> {
-        let first_sample = if state.epoch == Epoch::Bounce { BOUNCE_SAMPLES } else { 0 };
+        let bounces = state.epochs.bounces_done().min(AIMED_BOUNCES);
+        // Those that show how to aim are not those that are aimed so.
+        let first_sample = if state.epoch == Epoch::Bounce { BOUNCE_SAMPLES + bounces * BOUNCE_RAYS } else { 0 };
         let push = Push { first_sample, evidence_quantum: state.evidence_quantum, ..core.push };
-        let push = self.aiming.push(push, rays, state.epoch);
+        let refreshes = state.epoch != Epoch::Bounce || bounces < AIMED_BOUNCES;
+        let push = self.aiming.push(push, rays, state.epoch, refreshes);
         let quanta = u64::from(unit.texels.end - unit.texels.start) * u64::from(unit.quanta.end - unit.quanta.start);
         core.statistics.sampling.count(rays, [push.source_rays, push.sky_rays], quanta);
         let rays = quanta * u64::from(rays);

@@ -97,9 +97,10 @@ impl Sources {
 impl Sources {
     /// Bytes that a map of so many texels takes, at most.
     pub(crate) fn bytes(texels: u64) -> u64 {
-        // Seat, place and sum of each texel, two tables of groups by clusters. Groups are from half full to full.
-        let groups = 2 * texels.div_ceil(LEAST_GROUP_SITES as u64).min(MOST_GROUPS as u64);
+        // Seat, place and sum of each texel, two tables of groups by clusters. Groups are from half full to full, but for one
+        // of each cluster.
         let clusters = texels.min(MOST_CLUSTERS as u64);
+        let groups = 2 * texels.div_ceil(LEAST_GROUP_SITES as u64).min(MOST_GROUPS as u64) + clusters;
         12 * texels + clusters * (size_of::<layout::Cluster>() as u64 + 8 * groups)
     }
 }

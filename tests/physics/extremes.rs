@@ -4,7 +4,7 @@ use crate::device::on_both_back_ends;
 use crate::estimate::{Estimate, How, MIXTURES, SAMPLINGS, bake, irradiance};
 use crate::stage::{Chart, Facing, Quad, Stage, level_square, room};
 use glam::{DAffine3, DQuat, DVec3, Vec3};
-use lightoven::baker::{Bounces, Sampling};
+use lightoven::baker::{AimedBy, Bounces, Sampling};
 use lightoven::gpu::Gpu;
 use lightoven::scene::{Scene, Sky, SkyMap};
 use std::f64::consts::PI;
@@ -12,6 +12,7 @@ use std::f64::consts::PI;
 on_both_back_ends!(
     many_magnitudes,
     one_magnitude,
+    sizes_and_magnitudes,
     all_black,
     black_sky_map,
     a_lamp_among_floods,
@@ -67,6 +68,27 @@ fn one_magnitude(gpu: &Gpu) {
         let how = How::new(1024, Bounces::Auto).by(MIXTURES[0]);
         let estimate = Estimate::direct(gpu, &scene, how, charts[0]).times(1.0 / (PI * f64::from(radiance)));
         estimate.assert_is(&format!("radiance {radiance:e} alone"), gpu, FACTOR, 1e-5, 2e-3);
+    }
+}
+
+/// The same of small and large scenes, whichever way rays are aimed: no weight may leave 32-bit floats and take light along.
+fn sizes_and_magnitudes(gpu: &Gpu) {
+    for (scale, radiance) in
+        [(1e-6, 1e-30), (1e-6, 1e-18), (1e-6, 1e30), (1.0, 1e-30), (1.0, 1e30), (1e6, 1e-30), (1e6, 1e22)]
+    {
+        let mut stage = Stage::new();
+        let [black, lamp] = [0.0, radiance].map(|emission| stage.material(0.0, emission));
+        let charts = [0, 1].map(|chart| Chart::new(chart).inset(0.01));
+        stage.place(&point_and_lamp(charts, black, lamp), DAffine3::from_scale(DVec3::splat(scale)));
+        let scene = stage.build();
+        for aimed_by in [AimedBy::Power, AimedBy::Distance, AimedBy::Visibility] {
+            let how = How::new(1024, Bounces::Auto).by(MIXTURES[0]).aimed(aimed_by);
+            for estimate in Estimate::each_direct(gpu, &scene, how, &charts[..1]) {
+                let estimate = estimate.times(1.0 / (PI * f64::from(radiance)));
+                let what = format!("radiance {radiance:e} in a scene of {scale:e}, by {aimed_by:?}");
+                estimate.assert_is(&what, gpu, FACTOR, 1e-4, 0.05);
+            }
+        }
     }
 }
 

@@ -36,6 +36,8 @@ pub(super) struct Aiming {
     rest: u32,
     /// Rays of a quantum that are aimed in the sweep under way.
     rays: [u32; 2],
+    /// Whether what the sweep under way sees is looked at after it.
+    tells: bool,
     mean_luminance: f32,
 }
 
@@ -64,6 +66,7 @@ impl Aiming {
             awaited: None,
             rest: 0,
             rays: [0, 0],
+            tells: false,
             mean_luminance: 0.0,
         })
     }
@@ -140,6 +143,7 @@ impl Aiming {
             }
         }
         self.rays = self.chooser.shares().aimed_rays(rays);
+        self.tells = self.is_due_after(sweeps + 1);
     }
 
     /// A sweep has ended: its source map is another one.
@@ -150,7 +154,7 @@ impl Aiming {
     /// A quantum of `rays`, some of them aimed.
     pub(super) fn push(&self, push: Push, rays: u32) -> Push {
         let [source_rays, sky_rays] = self.rays;
-        let step_texels = self.pass.as_ref().map_or(1, Aim::tells_every);
+        let step_texels = self.pass.as_ref().filter(|_| self.tells).map_or(0, Aim::tells_every);
         Push { rays, source_rays, sky_rays, step_texels, mean_luminance: self.mean_luminance, ..push }
     }
 }
