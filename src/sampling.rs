@@ -15,8 +15,8 @@ pub enum Sampling {
     /// By the cosine alone.
     Cosine,
     /// Toward bright texels, and bright parts of a sky map, alone. For comparisons: what has no texel (a constant sky,
-    /// emitters without light-map coordinates, the lesser part of a texel that two surfaces share) is not found, and the
-    /// variance beside a bright surface has no bound.
+    /// emitters without light-map coordinates, the lesser part of a texel that two surfaces share, what is dimmer than the
+    /// rest of its cluster by 2^24) is not found, and the variance beside a bright surface has no bound.
     Importance,
     /// Both, and `cosine` is the share of rays sent by the cosine, .1 to 1: a ray weighs at most pi / `cosine` times the
     /// radiance that it sees.

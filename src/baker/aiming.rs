@@ -1,4 +1,4 @@
-//! How rays are aimed in a static bake: the pyramids are made from the source map, and what rays have shown decides how
+//! How rays are aimed in a static bake: at what the source map has, and what rays have shown decides how
 //! many are aimed.
 
 use super::{Core, Sampling};
@@ -21,7 +21,7 @@ pub(super) struct Aiming {
     mean_luminance: f32,
 }
 
-/// What a pyramid is made anew for.
+/// What the aim is made anew for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Occasion {
     /// What shines has changed.
@@ -60,7 +60,7 @@ impl Aiming {
         Push { rays, source_rays, sky_rays, step_texels, mean_luminance: self.mean_luminance, ..push }
     }
 
-    /// Makes the pyramids from the source map, and chooses how many rays are aimed. Where none are and none may be, nothing
+    /// Makes the aim from the source map, and chooses how many rays are aimed. Where none are and none may be, nothing
     /// is done.
     pub(super) fn refresh(&mut self, core: &mut Core, occasion: Occasion) -> Result<()> {
         let Some(pass) = &self.pass else { return Ok(()) };

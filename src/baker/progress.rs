@@ -106,7 +106,7 @@ pub struct Seconds {
     pub gbuffer: f64,
     /// The first source map and light from analytic lights.
     pub direct: f64,
-    /// Making the pyramids that rays are aimed by.
+    /// Making what rays are aimed by.
     pub importance: f64,
     /// Gathering and making source maps.
     pub bake: f64,

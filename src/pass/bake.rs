@@ -1,4 +1,4 @@
-//! Gathers light with rays. Reads the surface, footprint and source maps, the pyramids, the sky and the hierarchy; merges into the mean
+//! Gathers light with rays. Reads the surface, footprint and source maps, what rays are aimed by, the sky and the hierarchy; merges into the mean
 //! of the even or of the odd quanta, or in a dynamic scene into the running average. One invocation a texel of the list, a quantum of rays each.
 
 use super::{Context, TexelList, groups_of};

@@ -1,5 +1,5 @@
-//! Writes the rays that a bake sends. Reads the surface and footprint maps; writes rays. One invocation a texel of every so
-//! manieth work group of the list.
+//! Writes the rays that a bake sends. Reads the surface and footprint maps; writes rays. One invocation a texel of every
+//! n-th work group of the list.
 
 use super::bake::resources;
 use super::{Context, TexelList};

@@ -1,4 +1,4 @@
-//! Pyramids that rays are aimed by. Reads the surface, source and evidence maps and the sky; writes the pyramids, and sums
+//! Leaves and pyramids that rays are aimed by. Reads the surface, source and evidence maps and the sky; writes the pyramids, and sums
 //! over work groups for the host. One invocation for four texels, then for four sums, level by level.
 
 use super::Context;
@@ -105,7 +105,7 @@ impl Importance {
         groups(self.pyramid.base)[1]
     }
 
-    /// Records level 0 of the light map's pyramid. `source`: which map is read; `sums`: whether it sums up for the host,
+    /// Records the light map's leaves, and level 0 of its pyramid where there are no clusters. `source`: which map is read; `sums`: whether it sums up for the host,
     /// which else may be reading.
     pub(crate) fn record_leaves(
         &self,

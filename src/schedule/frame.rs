@@ -1,4 +1,4 @@
-//! Plans what a frame does of an endless cycle: direct light and the pyramid that rays are aimed by where they are out of
+//! Plans what a frame does of an endless cycle: direct light and what rays are aimed by where they are out of
 //! date, a sweep of gathering over all tiles, a map published, and again. A stage goes on where the last plan stopped.
 //!
 //! Predictions are fed forward, so that measurements that come frames late do not make the plans swing.

@@ -8,7 +8,7 @@ use std::ops::Range;
 pub(crate) enum Stage {
     /// Direct light; items are tiles.
     Direct,
-    /// The pyramid that rays are aimed by; items are rows of its work groups.
+    /// What rays are aimed by; items are parts of its making.
     Importance,
     /// Quanta of rays from every texel; items are tiles.
     Gather,

@@ -1,4 +1,4 @@
-//! How rays are aimed within frames: the pyramid is made anew while what shines changes, and what it sums up decides some
+//! How rays are aimed within frames: the aim is made anew while what shines changes, and what it sums up decides some
 //! sweeps later, when the host is sure to have it.
 
 use crate::baker::Core;
@@ -10,13 +10,13 @@ use crate::pass::{Aim, Context};
 use crate::sampling::{Chooser, Sampling};
 use crate::schedule::Work;
 
-/// Share of the light of a change that its last bounce may leave out when pyramids are no longer made.
+/// Share of the light of a change that its last bounce may leave out when the aim is no longer made.
 const LEFT: f64 = 0.01;
 /// After a change: by what shines, then by what aimed rays have shown, and once more.
 const DECISIONS: u64 = 3;
-/// Bounces that a pyramid follows, at most.
+/// Bounces that the aim follows, at most.
 const MOST_SWEEPS: f64 = 100.0;
-/// Pyramids for which cosine alone, once chosen by what rays have shown, is kept while the scene goes on changing.
+/// Makings of the aim for which cosine alone, once chosen by what rays have shown, is kept while the scene goes on changing.
 const REST: u32 = 64;
 
 /// Without the feature nothing is aimed and nothing is made.
@@ -25,7 +25,7 @@ pub(super) struct Aiming {
     chooser: Chooser,
     /// Sweeps for which a change is followed: its bounces, and the decisions about it.
     sweeps: u64,
-    /// Sweeps from a pyramid until the frame that made it has been reported complete, whatever the budgets: a frame ends one
+    /// Sweeps from an aim until the frame that made it has been reported complete, whatever the budgets: a frame ends one
     /// sweep at most. Decisions by the count of sweeps alone make the light map the same however the work is cut.
     delay: u64,
     due_until: u64,
@@ -87,7 +87,7 @@ impl Aiming {
         self.due_until = sweeps + self.sweeps;
     }
 
-    /// Whether the pyramid is out of date.
+    /// Whether the aim is out of date.
     pub(super) fn is_due(&self) -> bool {
         self.due
     }
@@ -97,7 +97,7 @@ impl Aiming {
         self.pass.is_some() && sweeps <= self.due_until
     }
 
-    /// Part of the pyramid, from a source map.
+    /// Part of the aim, from a source map.
     pub(super) fn record(
         &mut self,
         core: &mut Core,

@@ -23,7 +23,7 @@ bitflags::bitflags! {
         const SOURCE = 1 << 4;
         /// A light map was written, or a part of one.
         const PUBLISH = 1 << 5;
-        /// The pyramid that rays are aimed by was built, or a part of it.
+        /// What rays are aimed by was made anew, or a part of it.
         const IMPORTANCE = 1 << 6;
     }
 }

@@ -45,7 +45,7 @@ pub(super) struct Sums {
 /// The errors at one time: luminance, over the texels that count, as means over the bakes.
 #[derive(Debug, Clone, Serialize)]
 pub(super) struct Row {
-    /// Time of baking, as `bake --time` counts: the bounces, rays, source maps, pyramids, analytic lights and the estimates
+    /// Time of baking, as `bake --time` counts: the bounces, rays, source maps, what rays are aimed by, analytic lights and the estimates
     /// of the error on the way, without loading, the hierarchy, the g-buffer, compilation and what it takes to look.
     pub(super) seconds: f64,
     /// Those of bounces included.
