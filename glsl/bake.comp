@@ -8,6 +8,7 @@
 #include "include/sampling.glsl"
 #include "include/texels.glsl"
 #include "include/mixture.glsl"
+#include "include/links.glsl"
 
 layout(set = 0, binding = 9, r32ui) readonly uniform uimage2D footprint_image;
 // Mean irradiance of the even and of the odd quanta, and how many samples each holds. Dynamic: the running average, and
@@ -21,14 +22,17 @@ layout(set = 0, binding = 30, rgba32f) writeonly uniform image2D sky_evidence_im
 // What rays that were aimed at a cluster from a group of texels have found: as src/pass/clusters.rs has it.
 layout(set = 0, binding = 39, std430) buffer Sightings { uint sightings[]; };
 
+// `[work group of the whole list]`: a bit for each field of the chequerboard, whether its texels take rays.
+layout(set = 0, binding = 42, std430) readonly buffer Activity { uint activity[]; };
+
 const uint TRIED = 1u;
 const uint SEEN = 1u << 16u;
 
 // How far along a line of sight any hit blocks it, of its whole length.
 const float SIGHT = 0.998;
 
-// What a ray adds to a quantum's irradiance. `tells`: whether it says what it sees of the cluster that it was aimed at.
-vec3 shoot(Receiver r, uint index, uint sample_index, bool tells, inout Evidence evidence) {
+// What a ray brings. `tells`: whether it says what it sees of the cluster that it was aimed at.
+Arrival shoot(Receiver r, uint index, uint sample_index, bool tells, inout Evidence evidence) {
     Ray ray;
     Aim aim;
     bool traced = aim_ray(r, index, sample_index, ray, aim);
@@ -36,28 +40,37 @@ vec3 shoot(Receiver r, uint index, uint sample_index, bool tells, inout Evidence
     tells = tells && aim.technique == BY_SOURCE;
     uint sighting = r.row + aim.target.cluster;
     if (tells) atomicAdd(sightings[sighting], TRIED);
-    if (!traced) return vec3(0.0);
+    if (!traced) return NO_ARRIVAL;
     // Four of five lines of sight are blocked, which any hit tells; what they find is looked for at their end.
     if (IMPORTANCE && aim.technique == BY_SOURCE) {
         float t_max = ray.t_max;
         ray.t_max *= SIGHT;
-        if (trace_occluded(ray)) return vec3(0.0);
+        if (trace_occluded(ray)) return NO_ARRIVAL;
         ray.t_min = ray.t_max;
         ray.t_max = t_max;
     }
     float seen = evidence.seen;
-    vec3 irradiance = weigh(r, trace_closest(ray), ray.direction, aim, evidence);
+    Arrival arrival = weigh(r, trace_closest(ray), ray.direction, aim, evidence);
     if (tells && evidence.seen > seen) atomicAdd(sightings[sighting], SEEN);
-    return irradiance;
+    return arrival;
 }
 
-// Mean irradiance of a quantum.
-vec3 gather(Receiver r, uint quantum, inout Evidence evidence) {
+// Mean irradiance of a quantum. `unlinked`: of it what was not read from the source map, where links are kept.
+vec3 gather(Receiver r, uint quantum, inout Evidence evidence, inout vec3 unlinked) {
     uint first = push.first_sample + quantum * push.rays;
     bool tells = VISIBILITY && quantum == push.evidence_quantum && push.step_texels > 0u
                  && (r.key * 2654435761u >> 16u) % max(push.step_texels, 1u) == 0u;
     vec3 sum = vec3(0.0);
-    for (uint index = 0u; index < push.rays; ++index) sum += shoot(r, index, first + index, tells, evidence);
+    for (uint index = 0u; index < push.rays; ++index) {
+        Arrival arrival = shoot(r, index, first + index, tells, evidence);
+        vec3 irradiance = arrival.radiance * arrival.weight;
+        sum += irradiance;
+        if (LINKS && push.link_stride > 0u) {
+            bool linked = arrival.texel != NO_TEXEL;
+            links[link_place(r.place, index)] = linked ? Link(arrival.texel, arrival.weight) : Link(0u, 0.0);
+            if (!linked) unlinked += irradiance;
+        }
+    }
     return sum;
 }
 
@@ -88,14 +101,17 @@ vec3 gather_halves(Receiver r, ivec2 texel, inout Evidence evidence) {
     vec4 even = anew ? vec4(0.0) : imageLoad(mean_even, texel);
     vec4 odd = anew ? vec4(0.0) : imageLoad(mean_odd, texel);
     float samples = float(push.rays);
+    vec3 unlinked = vec3(0.0);
     for (uint quantum = push.first_quantum; quantum < push.first_quantum + push.quantum_count; ++quantum) {
         Evidence told = NOTHING;
-        vec3 quantum_mean = gather(r, quantum, told);
+        vec3 quantum_mean = gather(r, quantum, told, unlinked);
         if (quantum == push.evidence_quantum) evidence = told;
         if ((quantum & 1u) == 0u) accumulate(even, quantum_mean, samples);
         else accumulate(odd, quantum_mean, samples);
     }
     imageStore(mean_even, texel, even);
+    // One quantum alone: the odd half is free, and weighs nothing.
+    if (LINKS && push.link_stride > 0u) odd.rgb = unlinked;
     imageStore(mean_odd, texel, odd);
     return mix(even.rgb, odd.rgb, odd.w / max(even.w + odd.w, 1.0));
 }
@@ -106,9 +122,10 @@ vec3 gather_average(Receiver r, ivec2 texel, inout Evidence evidence) {
     // A texel whose instance was absent has none, whatever its tile has.
     float history = average.w > 0.0 ? push.history : 0.0;
     vec4 visit = vec4(0.0);
+    vec3 unlinked = vec3(0.0);
     for (uint i = 0u; i < push.quantum_count; ++i) {
         Evidence told = NOTHING;
-        vec3 quantum_mean = gather(r, push.first_quantum + i, told);
+        vec3 quantum_mean = gather(r, push.first_quantum + i, told, unlinked);
         if (push.first_quantum + i == push.evidence_quantum) evidence = told;
         // What is no number would stay in the average for good.
         if (any(isnan(quantum_mean)) || any(isinf(quantum_mean))) quantum_mean = average.rgb;
@@ -123,6 +140,8 @@ vec3 gather_average(Receiver r, ivec2 texel, inout Evidence evidence) {
 void main() {
     uvec2 texel;
     if (!texel_of_invocation(texel)) return;
+    uint place = push.first_texel + index_of_invocation();
+    if (ADAPTIVE && (activity[place / gl_WorkGroupSize.x] >> field_of(texel) & 1u) == 0u) return;
     uvec4 g = imageLoad(surface_image, ivec2(texel));
     if (DYNAMIC && (instances[g.x - 1u].flags & INSTANCE_ABSENT) != 0u) return;
     Receiver r;
@@ -130,6 +149,7 @@ void main() {
     r.sides = unpack_footprint(imageLoad(footprint_image, ivec2(texel)).x);
     r.frame = frame_of(r.surface.normal);
     r.key = texel.x | texel.y << 16u;
+    r.place = place;
     bool mixed = IMPORTANCE && push.source_rays + push.sky_rays > 0u;
     r.row = mixed && CLUSTERS ? row_of(texel) : 0u;
     r.source_total = mixed && !CLUSTERS ? pyramid_total(importance_map, push.map_size) : 0.0;

@@ -2,7 +2,9 @@
 //!
 //! First the bounces converge, an epoch each, on few rays that are the SAME in every epoch: the operator that they
 //! sample is then one fixed matrix, the source follows its Neumann series without noise between epochs, and its change
-//! falls by a steady factor that tells what is still missing. Then samples are kept, in epochs that double.
+//! falls by a steady factor that tells what is still missing. Rays that are aimed go through this twice: a pilot is aimed at
+//! what emits, and its light tells what the rays of the second stage are aimed at. Then samples are kept, in epochs that
+//! double.
 
 use crate::error::{Error, ErrorKind, Result};
 
@@ -19,10 +21,19 @@ pub enum Bounces {
 /// What to do next.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Epoch {
-    /// Few rays, thrown away once the source map has been made from them.
-    Bounce,
+    /// Light goes once along the few rays of this stage, which are not kept.
+    Bounce(Stage),
     /// This many quanta, kept.
     Keep { quanta: u32 },
+}
+
+/// Bounces that go along the same rays.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Stage {
+    /// Tells what to aim at.
+    Pilot,
+    /// Makes the source that the first samples read.
+    Last,
 }
 
 /// The state of a static bake.
@@ -30,8 +41,15 @@ pub(crate) enum Epoch {
 pub(crate) struct Epochs {
     bounces: Bounces,
     max_albedo: f64,
-    /// Mean radiance of the source after each bounce, the first entry without any.
+    stage: Stage,
+    /// Bounces before this stage.
+    before: u32,
+    /// Mean radiance of the source after each bounce of the stage, the first entry before any.
     radiance: Vec<f64>,
+    /// Most mean radiance before and after the first bounce of all.
+    lit: f64,
+    /// By how much the change shrank from bounce to bounce in the stage before, whose rays are much like these.
+    slowest: f64,
     /// Estimate of what bounces are missing, relative to the mean radiance.
     missing: f64,
     kept: u32,
@@ -40,6 +58,8 @@ pub(crate) struct Epochs {
 /// Missing bounces below this share of the mean radiance are not worth an epoch. Kept epochs average over sources from here
 /// on, so that this is the bias of the result (a closed furnace of albedo .5: 3e-4 with 1e-3 here).
 const TOLERANCE: f64 = 1e-4;
+/// The same for the pilot, whose noise is more than that.
+const PILOT_TOLERANCE: f64 = 0.02;
 /// Epochs over which the shrinking of the change is measured.
 const WINDOW: usize = 16;
 /// Kept quanta of one epoch are not doubled beyond this, so that the first sample of a quantum stays below 2^31.
@@ -50,15 +70,31 @@ const MOST_BOUNCED: f64 = 4.0;
 const GROWING: usize = 3;
 
 impl Epochs {
-    /// `radiance`: mean of the source map with no bounce in it yet.
-    pub(crate) fn new(bounces: Bounces, max_albedo: f64, radiance: f64) -> Self {
-        Self { bounces, max_albedo, radiance: vec![radiance], missing: f64::INFINITY, kept: 0 }
+    /// `first`: the stage to begin with; `radiance`: mean of the source map with no bounce in it yet.
+    pub(crate) fn new(bounces: Bounces, first: Stage, max_albedo: f64, radiance: f64) -> Self {
+        Self {
+            bounces,
+            max_albedo,
+            stage: first,
+            before: 0,
+            radiance: vec![radiance],
+            lit: radiance,
+            slowest: 0.0,
+            missing: f64::INFINITY,
+            kept: 0,
+        }
     }
 
     /// The next epoch.
     pub(crate) fn next(&mut self) -> Epoch {
+        if self.stage == Stage::Pilot && self.is_pilot_done() {
+            let changes = self.changes();
+            self.slowest = if changes.len() > 1 { self.ratio(&changes) } else { 0.0 };
+            self.stage = Stage::Last;
+            self.begin_stage();
+        }
         if self.needs_bounce() {
-            return Epoch::Bounce;
+            return Epoch::Bounce(self.stage);
         }
         // Doubling: the last epoch, whose source is the best, holds half of all samples.
         let quanta = self.kept.clamp(1, MOST_QUANTA);
@@ -71,13 +107,34 @@ impl Epochs {
         self.bounces == Bounces::Auto && self.max_albedo > 0.0
     }
 
+    /// The last of a limited number of bounces is the next stage's.
+    fn is_pilot_done(&self) -> bool {
+        let (done, limit) = (self.done_in_stage(), self.limit());
+        self.bounces_done() + 1 >= limit || done >= 2 && self.missing <= PILOT_TOLERANCE
+    }
+
+    fn limit(&self) -> u32 {
+        match self.bounces {
+            Bounces::Limit(limit) => limit,
+            Bounces::Auto => u32::MAX,
+        }
+    }
+
     fn needs_bounce(&self) -> bool {
-        let done = self.radiance.len() as u32 - 1;
         match self.bounces {
             _ if self.max_albedo == 0.0 || self.kept > 0 => false,
-            Bounces::Limit(limit) => done < limit,
-            Bounces::Auto => done < 2 || self.missing > TOLERANCE,
+            Bounces::Limit(limit) => self.bounces_done() < limit,
+            Bounces::Auto => self.done_in_stage() < 2 || self.missing > TOLERANCE,
         }
+    }
+
+    fn done_in_stage(&self) -> u32 {
+        self.radiance.len() as u32 - 1
+    }
+
+    /// Whether the next bounce is the first along its rays.
+    pub(crate) fn rays_are_new(&self) -> bool {
+        self.radiance.len() == 1
     }
 
     /// The source map's mean radiance after a bounce.
@@ -86,18 +143,22 @@ impl Epochs {
     /// `InvalidScene` where the change has grown for three epochs: the scene gives back more light than it gets.
     pub(crate) fn bounced(&mut self, radiance: f64) -> Result<()> {
         self.radiance.push(radiance);
-        let changes: Vec<f64> = self.radiance.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
+        if self.bounces_done() == 1 {
+            self.lit = self.lit.max(radiance);
+        }
+        let changes = self.changes();
         let last = changes[changes.len() - 1];
-        let ratio = changes.len().checked_sub(1).map_or(1.0, |last| self.ratio(&changes, last));
-        self.missing = if last > 0.0 { last * ratio / (1.0 - ratio) / radiance } else { 0.0 };
-        let growing = changes.windows(2).rev().take_while(|pair| pair[1] > pair[0] * (1.0 + 1e-6)).count();
-        let first = self.radiance.iter().find(|radiance| **radiance > 0.0).copied().unwrap_or_default();
+        let ratio = self.ratio(&changes);
+        // A change on its way from rise to fall is small by chance.
+        let before = changes.len().checked_sub(2).map_or(0.0, |before| changes[before]);
+        let change = last.max(before * ratio);
+        self.missing = if change > 0.0 { change * ratio / (1.0 - ratio) / radiance } else { 0.0 };
         if !radiance.is_finite() {
             let context =
                 "the scene's radiance is more than a 32-bit float holds: its lights or its extent are too large";
             return Err(Error::new(ErrorKind::InvalidScene, context));
         }
-        if growing >= GROWING && radiance > first * 1e6 {
+        if self.growing() >= GROWING && radiance > self.lit * 1e6 {
             return Err(Error::new(
                 ErrorKind::InvalidScene,
                 format!("light grows with every bounce: mean radiance {radiance:e} after {}", self.bounces_done()),
@@ -106,9 +167,20 @@ impl Epochs {
         Ok(())
     }
 
+    /// Of the mean radiance, from bounce to bounce.
+    fn changes(&self) -> Vec<f64> {
+        self.radiance.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect()
+    }
+
+    /// Bounces in a row, up to the last, in which the change has grown.
+    fn growing(&self) -> usize {
+        self.changes().windows(2).rev().take_while(|pair| pair[1] > pair[0] * (1.0 + 1e-6)).count()
+    }
+
     /// By how much the change shrinks from epoch to epoch: over several epochs, for a single step near the end is rounding
     /// noise, and the slowest of the latest, for a first bounce that finds little light must not look converged.
-    fn ratio(&self, changes: &[f64], last: usize) -> f64 {
+    fn ratio(&self, changes: &[f64]) -> f64 {
+        let last = changes.len() - 1;
         if last == 0 {
             return self.max_albedo;
         }
@@ -117,32 +189,36 @@ impl Epochs {
             let before = changes[end - span];
             if before > 0.0 { (changes[end] / before).powf(1.0 / span as f64) } else { 0.0 }
         };
-        let slowest = (last.saturating_sub(WINDOW).max(1)..=last).map(over_window).fold(0.0, f64::max);
+        let slowest = (last.saturating_sub(WINDOW).max(1)..=last).map(over_window).fold(self.slowest, f64::max);
         slowest.min(self.max_albedo)
     }
 
     /// Whether the change has grown for three bounces, or there is much more light than all bounces together can bring: more
     /// comes back than was there.
     pub(crate) fn grows(&self) -> bool {
-        let lit = self.radiance.iter().take(2).fold(0.0, |most: f64, radiance| most.max(*radiance));
-        let most = MOST_BOUNCED * lit / (1.0 - self.max_albedo);
-        if lit > 0.0 && self.radiance.last().is_some_and(|radiance| *radiance > most) {
+        let most = MOST_BOUNCED * self.lit / (1.0 - self.max_albedo);
+        if self.lit > 0.0 && self.radiance.last().is_some_and(|radiance| *radiance > most) {
             return true;
         }
-        let changes = self.radiance.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect::<Vec<_>>();
-        changes.windows(2).rev().take_while(|pair| pair[1] > pair[0] * (1.0 + 1e-6)).count() >= GROWING
+        self.growing() >= GROWING
     }
 
-    /// From here on rays are other ones: how fast the change shrinks is to be found anew.
+    /// From here on rays are other ones, and how much light there is and how fast the change shrinks is to be found anew.
     pub(crate) fn start_over(&mut self) {
+        self.begin_stage();
+        self.lit = self.radiance[0];
+    }
+
+    fn begin_stage(&mut self) {
         let last = self.radiance.len() - 1;
+        self.before += last as u32;
         self.radiance.drain(..last);
         self.missing = f64::INFINITY;
     }
 
     /// Bounces in the source map so far, those of kept epochs not counted.
     pub(crate) fn bounces_done(&self) -> u32 {
-        self.radiance.len() as u32 - 1
+        self.before + self.done_in_stage()
     }
 
     /// What bounces are missing, relative to the mean radiance; infinite before it is known.
@@ -155,15 +231,18 @@ impl Epochs {
 mod tests {
     use super::*;
 
+    const PILOT: Epoch = Epoch::Bounce(Stage::Pilot);
+    const LAST: Epoch = Epoch::Bounce(Stage::Last);
+
     /// Runs the bounces of a closed furnace of this albedo; returns their number and the error that is left.
     fn furnace(albedo: f64) -> (u32, f64) {
         run(albedo, |radiance| radiance)
     }
 
     fn run(albedo: f64, rounded: fn(f64) -> f64) -> (u32, f64) {
-        let mut epochs = Epochs::new(Bounces::Auto, albedo, 1.0);
+        let mut epochs = Epochs::new(Bounces::Auto, Stage::Last, albedo, 1.0);
         let mut radiance = 1.0;
-        while epochs.next() == Epoch::Bounce {
+        while epochs.next() == LAST {
             radiance = rounded(1.0 + albedo * radiance);
             epochs.bounced(radiance).expect("converges");
         }
@@ -191,19 +270,49 @@ mod tests {
 
     #[test]
     fn kept_epochs_double_and_limits_are_kept() {
-        let mut black = Epochs::new(Bounces::Auto, 0.0, 1.0);
+        let mut black = Epochs::new(Bounces::Auto, Stage::Pilot, 0.0, 1.0);
         let quanta: Vec<_> = (0..5).map(|_| black.next()).collect();
         assert_eq!(quanta, [1, 1, 2, 4, 8].map(|quanta| Epoch::Keep { quanta }));
-        let mut limited = Epochs::new(Bounces::Limit(1), 0.5, 1.0);
-        assert_eq!(limited.next(), Epoch::Bounce);
-        limited.bounced(1.5).expect("converges");
-        assert_eq!(limited.next(), Epoch::Keep { quanta: 1 });
-        assert!(!limited.updates_source());
+        for (limit, stages) in
+            [(1, vec![LAST]), (2, vec![PILOT, LAST]), (7, vec![PILOT, PILOT, LAST, LAST, LAST, LAST, LAST])]
+        {
+            let mut limited = Epochs::new(Bounces::Limit(limit), Stage::Pilot, 0.5, 1.0);
+            for (bounce, stage) in stages.into_iter().enumerate() {
+                assert_eq!(limited.next(), stage, "bounce {bounce} of {limit}");
+                limited.bounced(1.5 - 0.1_f64.powi(bounce as i32 + 1)).expect("converges");
+            }
+            assert_eq!(limited.next(), Epoch::Keep { quanta: 1 });
+            assert!(!limited.updates_source());
+        }
+    }
+
+    /// The second stage begins where the first has ended; other rays find a little more or less light, by which the change
+    /// may be small by chance.
+    #[test]
+    fn the_last_stage_converges_from_the_pilots_source() {
+        let albedo = 0.8;
+        for emitted in [0.9, 1.0, 1.02] {
+            let mut epochs = Epochs::new(Bounces::Auto, Stage::Pilot, albedo, 1.0);
+            let (mut radiance, mut pilots) = (1.0, 0);
+            while let Epoch::Bounce(stage) = epochs.next() {
+                assert_eq!(
+                    epochs.rays_are_new(),
+                    pilots == epochs.bounces_done() && (pilots == 0 || stage == Stage::Last)
+                );
+                pilots += u32::from(stage == Stage::Pilot);
+                let shines = if stage == Stage::Pilot { 1.0 } else { emitted };
+                radiance = shines + albedo * radiance;
+                epochs.bounced(radiance).expect("converges");
+            }
+            let wanted = emitted / (1.0 - albedo);
+            assert!((radiance / wanted - 1.0).abs() < 2.0 * TOLERANCE, "{radiance} is not {wanted}");
+            assert!((2..epochs.bounces_done()).contains(&pilots), "{pilots} of {}", epochs.bounces_done());
+        }
     }
 
     #[test]
     fn light_beyond_all_bounces_grows() {
-        let mut epochs = Epochs::new(Bounces::Auto, 0.5, 0.1);
+        let mut epochs = Epochs::new(Bounces::Auto, Stage::Last, 0.5, 0.1);
         // Light from lamps that are no surfaces comes with the first bounce.
         for radiance in [2.0, 3.0, 2.5, 15.0] {
             epochs.bounced(radiance).expect("converges");
@@ -217,9 +326,9 @@ mod tests {
 
     #[test]
     fn a_scene_without_light_stops_bouncing() {
-        let mut epochs = Epochs::new(Bounces::Auto, 0.5, 0.0);
-        for _ in 0..2 {
-            assert_eq!(epochs.next(), Epoch::Bounce);
+        let mut epochs = Epochs::new(Bounces::Auto, Stage::Pilot, 0.5, 0.0);
+        for stage in [PILOT, PILOT, LAST, LAST] {
+            assert_eq!(epochs.next(), stage);
             epochs.bounced(0.0).expect("converges");
         }
         assert!(matches!(epochs.next(), Epoch::Keep { .. }));

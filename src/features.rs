@@ -30,6 +30,10 @@ bitflags::bitflags! {
         const CLUSTERS = 1 << 10;
         /// And by what has been seen of them.
         const VISIBILITY = 1 << 11;
+        /// Light is reflected again and again along rays that are traced once: where so many may be kept.
+        const LINKS = 1 << 12;
+        /// Texels that have converged take no more rays.
+        const ADAPTIVE = 1 << 13;
     }
 }
 
@@ -72,6 +76,8 @@ impl Features {
             (Self::IMPORTANCE, "rays by the cosine alone: none aimed, no lines of sight"),
             (Self::CLUSTERS, "no rays aimed by distance: no clusters of what shines"),
             (Self::VISIBILITY, "none by what has been seen: no rays counted"),
+            (Self::LINKS, "no links: every bounce traces its rays"),
+            (Self::ADAPTIVE, "the same rays for every texel: none stops before the others"),
             (Self::DYNAMIC, "nothing changes: no running average, no second source map"),
         ];
         words.into_iter().filter(|(bit, _)| !self.intersects(*bit)).map(|(_, words)| words).collect()

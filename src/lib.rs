@@ -29,6 +29,7 @@
 //! }
 //! ```
 
+mod adaptive;
 pub mod baker;
 pub mod bvh;
 mod clusters;

@@ -10,14 +10,14 @@ const LAYERS: [&[&str]; 8] = [
     &["error"],
     &["scene"],
     &["bvh"],
-    &["clusters", "features", "epochs", "sampling", "schedule", "temporal"],
+    &["adaptive", "clusters", "features", "epochs", "sampling", "schedule", "temporal"],
     &["gpu"],
     &["pass"],
     &["baker", "tracer"],
     &["io", "headless"],
 ];
 /// Modules that know no Vulkan.
-const PURE: [&str; 8] = ["clusters", "scene", "bvh", "features", "epochs", "sampling", "schedule", "temporal"];
+const PURE: [&str; 9] = ["adaptive", "clusters", "scene", "bvh", "features", "epochs", "sampling", "schedule", "temporal"];
 const RUST_LINES: usize = 400;
 const GLSL_LINES: usize = 200;
 

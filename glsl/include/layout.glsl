@@ -87,6 +87,12 @@ struct Cluster {
     uint pad0;
 };
 
+// Where a ray of a bounce epoch ended: its texel, x in the lower half, and what that texel's radiance counts there.
+struct Link {
+    uint texel;
+    float weight;
+};
+
 const uint PRIMITIVE_MAPPED = 1u;
 const uint PRIMITIVE_DOUBLE_SIDED = 2u;
 
@@ -115,6 +121,8 @@ const bool IMPORTANCE = (FEATURES & 256u) != 0u;   // rays are aimed at light as
 const bool SHARED_TEXELS = (FEATURES & 512u) != 0u; // something that emits shares a texel with another surface
 const bool CLUSTERS = (FEATURES & 1024u) != 0u;    // rays are aimed by distance as well
 const bool VISIBILITY = (FEATURES & 2048u) != 0u;  // and by what has been seen
+const bool LINKS = (FEATURES & 4096u) != 0u;       // light goes again along rays that are kept
+const bool ADAPTIVE = (FEATURES & 8192u) != 0u;    // texels that have converged take no more rays
 
 layout(push_constant, std430) uniform Push {
     uvec2 map_size;       // texels
@@ -139,6 +147,7 @@ layout(push_constant, std430) uniform Push {
     uint end_level;
     uint first_sample;    // bake: of quantum 0, for the random numbers
     float history;        // bake, dynamic: what the running average weighs, in quanta
+    uint link_stride;     // bake, bounce: from a texel's link to its next one; bake: 0 = none is kept
 } push;
 
 #endif

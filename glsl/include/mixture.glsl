@@ -26,6 +26,7 @@ struct Receiver {
     mat3 frame;
     vec4 sides;
     uint key;
+    uint place;          // in the list of texels
     uint row;            // of its group, where there are clusters
     float source_total;  // of the pyramid, where there are none
     float sky_total;     // of the sky's pyramid
@@ -86,31 +87,45 @@ bool aim_ray(Receiver r, uint index, uint sample_index, out Ray ray, out Aim aim
     return aimed && dot(ray.direction, r.surface.geometric_normal) > 0.0 && dot(ray.direction, r.surface.normal) > 0.0;
 }
 
-// Irradiance that a ray adds to a quantum's: radiance times cosine over the density of all the quantum's rays.
-vec3 weigh(Receiver r, Hit hit, vec3 direction, Aim aim, inout Evidence evidence) {
+// What a ray brings to a quantum's irradiance: radiance times weight. `texel`: of the source map, where it was read there.
+struct Arrival {
+    vec3 radiance;
+    float weight;
+    uint texel;
+};
+
+const uint NO_TEXEL = 0xffffffffu;
+const Arrival NO_ARRIVAL = Arrival(vec3(0.0), 0.0, NO_TEXEL);
+
+// The weight is the cosine over the density of all the quantum's rays.
+Arrival weigh(Receiver r, Hit hit, vec3 direction, Aim aim, inout Evidence evidence) {
     vec2 place = hit.committed ? place_of_hit(hit) : vec2(0.0);
-    vec3 radiance = hit.committed ? on_hit(hit, ivec2(place)) : on_miss(direction);
-    if (!IMPORTANCE || push.source_rays + push.sky_rays == 0u) return radiance * (PI / float(push.rays));
+    Arrival arrival;
+    arrival.radiance = hit.committed ? on_hit(hit, ivec2(place)) : on_miss(direction);
+    arrival.weight = PI / float(push.rays);
+    bool cached = LINKS && hit.committed && !is_black_back(hit) && is_mapped(hit);
+    arrival.texel = cached ? uint(place.x) | uint(place.y) << 16u : NO_TEXEL;
+    if (!IMPORTANCE || push.source_rays + push.sky_rays == 0u) return arrival;
     float cosine = dot(direction, r.surface.normal);
     float rays = float(hit.committed ? push.source_rays : push.sky_rays);
-    bool mapped = !UNMAPPED || (primitives[hit.primitive].flags & PRIMITIVE_MAPPED) != 0u;
     float aimed = 0.0;
-    if (hit.committed && mapped) aimed = source_density(hit, place, direction, r.row, r.source_total);
+    if (hit.committed && is_mapped(hit)) aimed = source_density(hit, place, direction, r.row, r.source_total);
     if (SKY_MAP && !hit.committed) aimed = sky_density(direction, r.sky_total);
     if (aim.technique != BY_COSINE) {
         // A line of sight counts where it finds the very texel.
         bool found = hit.committed == (aim.technique == BY_SOURCE) && aimed > 0.0;
-        if (!found || aim.technique == BY_SOURCE && !is_target(hit, place, aim.target)) return vec3(0.0);
+        if (!found || aim.technique == BY_SOURCE && !is_target(hit, place, aim.target)) return NO_ARRIVAL;
         if (aim.technique == BY_SOURCE) evidence.seen += 1.0;
         else evidence.sky_seen += 1.0;
     }
     float density = float(push.rays - push.source_rays - push.sky_rays) * (cosine / PI) + rays * aimed;
-    if (!(density > 0.0)) return vec3(0.0);
-    float part = dot(radiance, LUMINANCE) * cosine * (push.mean_luminance > 0.0 ? 1.0 / push.mean_luminance : 1.0);
+    if (!(density > 0.0)) return NO_ARRIVAL;
+    float part = dot(arrival.radiance, LUMINANCE) * cosine * (push.mean_luminance > 0.0 ? 1.0 / push.mean_luminance : 1.0);
     vec3 moments = part * part / density / (COSINES * (cosine / PI) + OTHERS * aimed);
     if (hit.committed || !SKY_MAP) evidence.hits += moments;
     else evidence.misses += moments;
-    return radiance * (cosine / density);
+    arrival.weight = cosine / density;
+    return arrival;
 }
 
 #endif

@@ -23,10 +23,17 @@ vec2 place_of_hit(Hit hit) {
     return clamp(place, vec2(0.0), vec2(push.map_size) - 0.001);
 }
 
+bool is_black_back(Hit hit) {
+    return SINGLE_SIDED && !hit.front_face && (primitives[hit.primitive].flags & PRIMITIVE_DOUBLE_SIDED) == 0u;
+}
+
+bool is_mapped(Hit hit) {
+    return !UNMAPPED || (primitives[hit.primitive].flags & PRIMITIVE_MAPPED) != 0u;
+}
+
 vec3 on_hit(Hit hit, ivec2 texel) {
-    uint flags = primitives[hit.primitive].flags;
-    if (SINGLE_SIDED && !hit.front_face && (flags & PRIMITIVE_DOUBLE_SIDED) == 0u) return vec3(0.0);
-    if (UNMAPPED && (flags & PRIMITIVE_MAPPED) == 0u) return materials[primitives[hit.primitive].material].emission;
+    if (is_black_back(hit)) return vec3(0.0);
+    if (!is_mapped(hit)) return materials[primitives[hit.primitive].material].emission;
     vec3 source = texelFetch(source_map, texel, 0).rgb;
     return DYNAMIC ? source + emitted(hit.primitive, texel) : source;
 }

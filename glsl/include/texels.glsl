@@ -16,9 +16,19 @@ bool has_sum() {
     return work_group() * gl_WorkGroupSize.x < max(push.texel_count, 1u);
 }
 
+// Within what is dispatched.
+uint index_of_invocation() {
+    return work_group() * gl_WorkGroupSize.x + gl_LocalInvocationID.x;
+}
+
+// The fields of a chequerboard.
+uint field_of(uvec2 texel) {
+    return (texel.x + texel.y) & 1u;
+}
+
 // Whether this invocation has a texel, and which.
 bool texel_of_invocation(out uvec2 texel) {
-    uint index = work_group() * gl_WorkGroupSize.x + gl_LocalInvocationID.x;
+    uint index = index_of_invocation();
     if (index >= push.texel_count) return false;
     uint code = texels[push.first_texel + index];
     texel = uvec2(code & 0xffffu, code >> 16u);

@@ -45,6 +45,11 @@ impl Aiming {
         Ok(Self { pass, chooser, sky_made: false, bounces_by_cosine: false, mean_luminance: 0.0 })
     }
 
+    /// Whether rays may be aimed.
+    pub(super) fn may_aim(&self) -> bool {
+        self.pass.is_some()
+    }
+
     /// From now on no rays of bounce epochs are aimed. False: none were.
     pub(super) fn leave_bounces_to_cosine(&mut self) -> bool {
         let aimed = !self.bounces_by_cosine && self.chooser.shares().any_aimed();
@@ -54,7 +59,7 @@ impl Aiming {
 
     /// A quantum of `rays`, some of them aimed. `refreshes`: whether what they see is looked at after the epoch.
     pub(super) fn push(&self, push: Push, rays: u32, epoch: Epoch, refreshes: bool) -> Push {
-        let by_cosine = self.bounces_by_cosine && epoch == Epoch::Bounce;
+        let by_cosine = self.bounces_by_cosine && matches!(epoch, Epoch::Bounce(_));
         let [source_rays, sky_rays] = if by_cosine { [0, 0] } else { self.chooser.shares().aimed_rays(rays) };
         let step_texels = self.pass.as_ref().filter(|_| refreshes).map_or(0, Aim::tells_every);
         Push { rays, source_rays, sky_rays, step_texels, mean_luminance: self.mean_luminance, ..push }

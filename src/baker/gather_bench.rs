@@ -1,7 +1,7 @@
 //! What gathering light consists of, to be measured: its rays, and its pass.
 
 use super::setup::features_of;
-use super::{BakeSettings, Core, Sampling, Statistics};
+use super::{BakeSettings, Bounces, Core, Sampling, Statistics};
 use crate::bvh::{Bvh, Ray};
 use crate::error::{Error, Result};
 use crate::gpu::layout::{GROUP, Push, TracedRay};
@@ -42,7 +42,8 @@ impl GatherBench {
     /// # Errors
     /// As [`super::Baker::new`].
     pub fn new(gpu: &Gpu, scene: &Scene, bvh: &Bvh, resolution: Resolution) -> Result<Self> {
-        let settings = BakeSettings { resolution, sampling: Sampling::Cosine, ..BakeSettings::default() };
+        let (sampling, bounces) = (Sampling::Cosine, Bounces::Limit(0));
+        let settings = BakeSettings { resolution, sampling, bounces, ..BakeSettings::default() };
         let atlas = Atlas::new(scene, resolution)?;
         let (features, mut bvh) = (features_of(scene, &settings), bvh.clone());
         let core = Core::new(gpu, scene, &settings, &mut bvh, atlas, features, Statistics::default())?;

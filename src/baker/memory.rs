@@ -5,7 +5,7 @@ use super::setup::features_of;
 use crate::error::{Error, ErrorKind, Result};
 use crate::features::Features;
 use crate::gpu::DeviceInfo;
-use crate::pass::{DeviceScene, Maps, Sources};
+use crate::pass::{DeviceScene, Links, Maps, Sources};
 use crate::scene::{Atlas, Scene, Sky};
 
 /// Device memory by what it is for.
@@ -28,6 +28,9 @@ impl MemoryEstimate {
         parts.extend([("gbuffer depth", texels * 4), ("texels", texels * 4), ("nearest texels", texels * 8)]);
         if features.contains(Features::CLUSTERS) {
             parts.push(("clusters", Sources::bytes(texels)));
+        }
+        if features.contains(Features::LINKS) {
+            parts.push(("links", Links::most_bytes(texels)));
         }
         parts.extend(DeviceScene::bytes(scene, features));
         Self { parts }

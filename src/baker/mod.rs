@@ -42,6 +42,8 @@ pub struct BakeSettings {
     pub sampling: Sampling,
     /// Where aimed rays go.
     pub aimed_by: AimedBy,
+    /// Whether texels that have converged stop taking rays: in a static bake that ends by its error ([`Stop::error`]).
+    pub adaptive: bool,
     /// Another seed gives other noise.
     pub seed: u64,
     /// How long one submission of a static bake may take.
@@ -62,13 +64,14 @@ pub enum Mode {
 }
 
 impl Default for BakeSettings {
-    /// 512 texels a side, all bounces, sampling as it pays, seed 0, slices of 50 ms, a scene that stays as it is.
+    /// 512 texels a side, all bounces, sampling as it pays, the same rays for every texel, seed 0, slices of 50 ms, a scene that stays as it is.
     fn default() -> Self {
         Self {
             resolution: Resolution::Texels(512),
             bounces: Bounces::Auto,
             sampling: Sampling::Auto,
             aimed_by: AimedBy::default(),
+            adaptive: false,
             seed: 0,
             slice: Slice::default(),
             mode: Mode::Still,

@@ -81,7 +81,7 @@ pub struct Progress {
     pub phase: Phase,
     /// Epochs finished.
     pub epoch: u32,
-    /// Samples that every texel has at least.
+    /// Kept samples of a texel, in the mean.
     pub samples_per_texel: u64,
     /// Rays traced, bounce epochs included.
     pub rays: u64,
@@ -135,8 +135,10 @@ pub struct Statistics {
     pub invalid_texels: u64,
     /// Epochs finished.
     pub epochs: u32,
-    /// Kept samples that every texel has at least.
+    /// Kept samples of a texel, in the mean.
     pub samples_per_texel: f64,
+    /// Kept samples of the texels that have most; with [`super::BakeSettings::adaptive`] others may have fewer.
+    pub most_samples: f64,
     /// Rays traced by gathering, bounce epochs included, shadow rays of analytic lights not.
     pub rays: u64,
     /// `rays` over `seconds.bake`, in millions.
@@ -177,14 +179,14 @@ impl Stop {
     }
 
     pub(super) fn reached(&self, statistics: &Statistics, elapsed: Duration) -> bool {
-        statistics.samples_per_texel >= f64::from(self.samples.unwrap_or(Self::MAX_SAMPLES))
+        statistics.most_samples >= f64::from(self.samples.unwrap_or(Self::MAX_SAMPLES))
             || self.time.is_some_and(|time| elapsed >= time)
             || self.error.is_some_and(|target| statistics.estimated_error.is_some_and(|error| error <= target))
     }
 
     /// 0 to 1.
     fn fraction(&self, statistics: &Statistics, elapsed: Duration) -> f64 {
-        let samples = self.samples.map_or(0.0, |samples| statistics.samples_per_texel / f64::from(samples));
+        let samples = self.samples.map_or(0.0, |samples| statistics.most_samples / f64::from(samples));
         let time = self.time.map_or(0.0, |time| elapsed.as_secs_f64() / time.as_secs_f64());
         // The error falls with the root of the samples.
         let toward = |(target, error): (f32, f32)| f64::from(target / error.max(f32::MIN_POSITIVE)).powi(2);
@@ -207,7 +209,7 @@ impl Statistics {
         let fraction = stop.fraction(self, elapsed);
         let left = elapsed.as_secs_f64() * (1.0 - fraction) / fraction;
         Progress {
-            phase: if epoch == Epoch::Bounce { Phase::Bounces } else { Phase::Samples },
+            phase: if matches!(epoch, Epoch::Bounce(_)) { Phase::Bounces } else { Phase::Samples },
             epoch: self.epochs,
             samples_per_texel: self.samples_per_texel as u64,
             rays: self.rays,

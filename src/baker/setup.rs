@@ -10,7 +10,9 @@ use crate::error::{Error, Result};
 use crate::features::Features;
 use crate::gpu::layout::{NO_FOOTPRINT, Push};
 use crate::gpu::{Commands, Constants, Gpu};
-use crate::pass::{Context, DeviceScene, Gbuffer, Maps, Pieces, Settle, Sources, TexelKind, TexelList};
+use crate::pass::{
+    Context, DeviceScene, Gbuffer, Links, Maps, Pieces, Settle, Sources, TexelKind, TexelList, activity,
+};
 use crate::scene::{Atlas, Scene, Sky};
 use glam::Vec3;
 use std::ops::Range;
@@ -100,6 +102,13 @@ pub(super) fn features_of(scene: &Scene, settings: &BakeSettings) -> Features {
     features.set(Features::IMPORTANCE, aims);
     features.set(Features::CLUSTERS, aims && settings.aimed_by != AimedBy::Power);
     features.set(Features::VISIBILITY, aims && settings.aimed_by == AimedBy::Visibility);
+    let bounces = match settings.bounces {
+        Bounces::Auto => u32::MAX,
+        Bounces::Limit(limit) => limit,
+    };
+    let reflects = scene.materials().iter().any(|material| material.albedo.max_element() > 0.0);
+    features.set(Features::ADAPTIVE, settings.mode == Mode::Still && settings.adaptive);
+    features.set(Features::LINKS, settings.mode == Mode::Still && reflects && bounces > 1);
     features
 }
 
@@ -141,6 +150,14 @@ impl Core {
                 maps.sources = Sources::new(&mut commands, bvh, &device_scene, size, &surfaces)?;
             }
             device_scene.host_primitives = Vec::new();
+        }
+        let linked_rays = Links::rays(u64::from(texels.count)).filter(|_| features.contains(Features::LINKS));
+        features.set(Features::LINKS, linked_rays.is_some());
+        if let Some(rays) = linked_rays {
+            maps.links = Links::new(gpu, texels.count, rays)?;
+        }
+        if features.contains(Features::ADAPTIVE) {
+            maps.activity = activity(gpu, texels.fields.len())?;
         }
         let constants = Constants::new(features, bvh);
         if !movable.is_empty() {

@@ -47,6 +47,8 @@ pub(crate) mod binding {
     pub(crate) const WEIGHTS: u32 = 38;
     pub(crate) const SIGHTINGS: u32 = 39;
     pub(crate) const GROUP_ENDS: u32 = 40;
+    pub(crate) const LINKS: u32 = 41;
+    pub(crate) const ACTIVITY: u32 = 42;
 }
 
 /// What a hit needs of a triangle.
@@ -101,6 +103,16 @@ pub(crate) struct Cluster {
     pub(crate) first: u32,
     pub(crate) count: u32,
     pub(crate) pad0: u32,
+}
+
+/// Where a ray of a bounce epoch ended.
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct Link {
+    /// x in the lower half, y in the upper.
+    pub(crate) texel: u32,
+    /// What that texel's radiance counts.
+    pub(crate) weight: f32,
 }
 
 /// A material's factors.
@@ -213,6 +225,7 @@ pub(crate) struct Push {
     pub(crate) end_level: u32,
     pub(crate) first_sample: u32,
     pub(crate) history: f32,
+    pub(crate) link_stride: u32,
 }
 
 /// Invocations of a work group that goes through the list of texels.

@@ -36,8 +36,8 @@ pub(crate) use pipeline::{ComputePipeline, Constants, RasterDesc, RasterPipeline
 pub(crate) use recorder::{Recorder, Rendering};
 pub(crate) use sampler::Sampler;
 pub(crate) use shader::{
-    BAKE, CLUSTERS, DILATE, DIRECT, EMIT, GBUFFER_FRAG, GBUFFER_VERT, IMPORTANCE, PUBLISH, RESOLVE, SETTLE, SOURCE,
-    TRACE, WEIGHTS,
+    BAKE, BOUNCE, CLUSTERS, DILATE, DIRECT, EMIT, GBUFFER_FRAG, GBUFFER_VERT, IMPORTANCE, PUBLISH, RESOLVE, SETTLE,
+    SOURCE, TRACE, WEIGHTS,
 };
 pub(crate) use timer::{MARKS, Stopwatch, Timer};
 

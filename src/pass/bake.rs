@@ -72,6 +72,8 @@ pub(super) fn resources<'a>(
         (binding::SEATS, Resource::StorageImage(&maps.sources.seats)),
         (binding::WEIGHTS, Resource::Storage(&maps.sources.weights)),
         (binding::SIGHTINGS, Resource::Storage(&maps.sources.sightings)),
+        (binding::LINKS, Resource::Storage(&maps.links.buffer)),
+        (binding::ACTIVITY, Resource::Storage(&maps.activity)),
     ]);
     resources
 }

@@ -1,10 +1,11 @@
 //! Everything that is kept for each texel of the light map.
 
+use super::bounce::Links;
 use super::clusters::Sources;
 use super::importance::Pyramid;
 use crate::error::Result;
 use crate::features::Features;
-use crate::gpu::{Commands, Gpu, Image, ImageDesc};
+use crate::gpu::{Buffer, BufferDesc, Commands, Gpu, Image, ImageDesc, Location};
 use ash::vk;
 
 /// Images of the light map's size, but where a feature is absent: those are 1 x 1.
@@ -35,6 +36,10 @@ pub(crate) struct Maps {
     pub(crate) pieces: Image,
     /// Clusters of source texels; none until somebody has looked.
     pub(crate) sources: Sources,
+    /// Where rays of bounce epochs ended; none until somebody keeps them.
+    pub(crate) links: Links,
+    /// `[group of the list of texels]`: which of them take rays; one alone where all do.
+    pub(crate) activity: Buffer,
     /// What rays tell of other ways to aim them; of light from the sky map.
     pub(crate) evidence: Image,
     pub(crate) sky_evidence: Image,
@@ -117,6 +122,8 @@ impl Maps {
                 ImageDesc { name: "pieces map", size: [1, 1], format: PIECES, usage, mip_levels: 1 },
             )?,
             sources: Sources::none(commands)?,
+            links: Links::new(gpu, 0, 0)?,
+            activity: activity(gpu, 1)?,
             aimed_luminance: image(10, usage)?,
             evidence: image(11, usage)?,
             sky_evidence: image(12, usage)?,
@@ -160,6 +167,13 @@ impl Maps {
         };
         plans(size, sky, features).into_iter().filter(|(_, _, _, count)| *count > 0).map(bytes)
     }
+}
+
+/// For so many groups of texels.
+pub(crate) fn activity(gpu: &Gpu, groups: usize) -> Result<Buffer> {
+    let usage = vk::BufferUsageFlags::STORAGE_BUFFER | vk::BufferUsageFlags::TRANSFER_DST;
+    let size = (groups.max(1) * size_of::<u32>()) as u64;
+    Buffer::new(gpu, BufferDesc { name: "activity", size, usage, location: Location::Device })
 }
 
 fn texel_bytes(format: vk::Format) -> u64 {

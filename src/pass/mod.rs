@@ -2,6 +2,7 @@
 
 mod aim;
 mod bake;
+mod bounce;
 mod clusters;
 mod dilate;
 mod direct;
@@ -22,12 +23,13 @@ mod trace;
 
 pub(crate) use aim::Aim;
 pub(crate) use bake::Bake;
+pub(crate) use bounce::{Bounce, Links};
 pub(crate) use clusters::Sources;
 pub(crate) use dilate::Dilate;
 pub(crate) use direct::Direct;
 pub(crate) use emit::{Emit, Groups};
 pub(crate) use gbuffer::Gbuffer;
-pub(crate) use maps::Maps;
+pub(crate) use maps::{Maps, activity};
 pub(crate) use pieces::Pieces;
 pub(crate) use publish::Publish;
 pub(crate) use resolve::{Resolve, ResolveSums};
@@ -73,6 +75,8 @@ pub(crate) struct TexelList {
     pub(crate) count: u32,
     /// How many are given up: they emit all the same.
     pub(crate) given_up: u32,
+    /// `[group]`: how many texels of it each field of a chequerboard has.
+    pub(crate) fields: Vec<[u32; 2]>,
     /// One `vec4` a work group, for the host to read.
     pub(crate) sums: Buffer,
 }
@@ -90,6 +94,7 @@ impl TexelList {
     ) -> Result<Self> {
         let mut texels = list(size, |texel| kind_of(texel) == TexelKind::Baked);
         let count = texels.len() as u32;
+        let fields = texels.chunks(GROUP as usize).map(count_fields).collect();
         texels.extend(list(size, |texel| kind_of(texel) == TexelKind::GivenUp));
         let given_up = texels.len() as u32 - count;
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
@@ -97,7 +102,7 @@ impl TexelList {
         let desc = BufferDesc { name: "texels", size, usage: storage, location: Location::Device };
         let size = u64::from(count.max(given_up).div_ceil(GROUP)) * 16;
         let sums = Buffer::new(gpu, BufferDesc { name: "sums", size, usage: storage, location: Location::ReadBack })?;
-        Ok(Self { buffer: commands.upload(desc, &texels)?, count, given_up, sums })
+        Ok(Self { buffer: commands.upload(desc, &texels)?, count, given_up, fields, sums })
     }
 
     /// The texels that are given up, as a range of the list.
@@ -111,6 +116,14 @@ impl TexelList {
         let sums: Vec<[f32; 4]> = bytemuck::pod_collect_to_vec(&self.sums.bytes()[..groups * 16]);
         sums.into_iter().map(|sum| sum.map(f64::from)).collect()
     }
+}
+
+/// Texels of each field of a chequerboard, as `glsl/include/texels.glsl` has them.
+fn count_fields(texels: &[u32]) -> [u32; 2] {
+    texels.iter().fold([0; 2], |mut count, texel| {
+        count[((texel & 0xffff) + (texel >> 16)) as usize % 2] += 1;
+        count
+    })
 }
 
 fn list([width, height]: [u32; 2], wanted: impl Fn(usize) -> bool) -> Vec<u32> {

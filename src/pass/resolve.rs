@@ -13,12 +13,14 @@ pub(crate) struct Resolve {
 }
 
 /// What the pass tells of the whole map.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct ResolveSums {
     /// Mean luminance of the irradiance over the texels.
     pub(crate) mean: f64,
     /// Mean squared relative standard error: an estimate of relMSE.
     pub(crate) relative_mse: f64,
+    /// `[group][field]`: the same as a sum over the texels of a chequerboard's fields.
+    pub(crate) fields: Vec<[f64; 2]>,
 }
 
 impl Resolve {
@@ -46,9 +48,11 @@ impl Resolve {
 impl ResolveSums {
     /// After the pass has run.
     pub(crate) fn read(texels: &TexelList) -> Self {
-        let add = |sum: [f64; 3], [a, b, c, _]: [f64; 4]| [sum[0] + a, sum[1] + b, sum[2] + c];
-        let [luminance, error, count] = texels.read_sums().into_iter().fold([0.0; 3], add);
+        let sums = texels.read_sums();
+        let add = |sum: [f64; 3], [a, b, c, d]: &[f64; 4]| [sum[0] + a, sum[1] + b + c, sum[2] + d];
+        let [luminance, error, count] = sums.iter().fold([0.0; 3], add);
         let count = count.max(1.0);
-        Self { mean: luminance / count, relative_mse: error / count }
+        let fields = sums.iter().map(|[_, one, other, _]| [*one, *other]).collect();
+        Self { mean: luminance / count, relative_mse: error / count, fields }
     }
 }

@@ -4,6 +4,7 @@
 #[path = "../common/device.rs"]
 mod device;
 
+mod adaptive;
 mod area;
 mod choice;
 mod energy;

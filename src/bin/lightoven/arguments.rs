@@ -63,6 +63,9 @@ pub(crate) struct Bake {
     /// Which way rays are sent: auto, cosine, importance, or mixture=A with the cosine's share A, 0.1 to 1
     #[arg(long, value_name = "auto|cosine|importance|mixture[=A][:power|distance|visibility]", default_value = "auto", value_parser = values::way, allow_hyphen_values = true)]
     pub(crate) sampling: Way,
+    /// Give every texel the same rays, also where the bake ends by its error and some have converged before others
+    #[arg(long)]
+    no_adaptive: bool,
     /// Seed of the random numbers: the same seed on the same device gives the same light map for --samples
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = values::seed, allow_negative_numbers = true)]
     pub(crate) seed: u64,
@@ -262,6 +265,11 @@ enum BackendArgument {
 }
 
 impl Bake {
+    /// Whether texels that have converged stop taking rays: only an estimated error tells which.
+    pub(crate) fn adaptive(&self) -> bool {
+        self.stop().error.is_some() && !self.no_adaptive
+    }
+
     pub(crate) fn stop(&self) -> Stop {
         match (self.samples, self.error, self.time) {
             (None, None, None) => Stop { samples: None, error: Some(0.02), time: Some(Duration::from_secs(600)) },

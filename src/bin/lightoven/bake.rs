@@ -34,6 +34,7 @@ pub(crate) fn run(arguments: &Bake, start: Instant) -> Result<Ending> {
         bounces: arguments.bounces,
         sampling: arguments.sampling.sampling,
         aimed_by: arguments.sampling.aimed_by,
+        adaptive: arguments.adaptive(),
         seed: arguments.seed,
         ..BakeSettings::default()
     };

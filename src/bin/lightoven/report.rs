@@ -24,6 +24,8 @@ pub(crate) struct Report {
     pub(crate) epochs: u32,
     /// Mean over the texels.
     pub(crate) samples_per_texel: f64,
+    /// Of the texels that have most.
+    pub(crate) most_samples: f64,
     pub(crate) rays: u64,
     /// `rays` over `seconds.bake`, in millions.
     pub(crate) mrays_per_s: f64,
@@ -145,6 +147,7 @@ impl Report {
             texels: statistics.texels,
             epochs: statistics.epochs,
             samples_per_texel: statistics.samples_per_texel,
+            most_samples: statistics.most_samples,
             rays: statistics.rays,
             mrays_per_s: statistics.mrays_per_s,
             estimated_error: statistics.estimated_error,

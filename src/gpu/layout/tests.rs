@@ -1,6 +1,6 @@
 //! Reflects every compiled module and compares it with what the host writes, in both directions.
 
-use super::{Answer, Cluster, Light, Material, Piece, Primitive, Push, Texcoords, TracedRay, binding};
+use super::{Answer, Cluster, Light, Link, Material, Piece, Primitive, Push, Texcoords, TracedRay, binding};
 use crate::bvh::{InstanceRecord, Node, Triangle};
 use crate::gpu::pipeline::Constants;
 use spirq::ReflectConfig;
@@ -39,6 +39,7 @@ fn host_structs() -> Vec<HostStruct> {
         host_struct!("Primitive", Primitive { uvs, normals, material, flags, sheet }),
         host_struct!("Material", Material { albedo, emission }),
         host_struct!("Cluster", Cluster { centre, spread, axis, even, power, first, count }),
+        host_struct!("Link", Link { texel, weight }),
         host_struct!("Piece", Piece { instance, primitive, lo, hi }),
         host_struct!(
             "Instance",
@@ -71,7 +72,8 @@ fn host_structs() -> Vec<HostStruct> {
                 first_level,
                 end_level,
                 first_sample,
-                history
+                history,
+                link_stride
             }
         ),
     ]
@@ -140,6 +142,8 @@ fn host_bindings() -> BTreeMap<u32, BTreeSet<Kind>> {
         (binding::WEIGHTS, vec![storage("f32")]),
         (binding::SIGHTINGS, vec![storage("u32")]),
         (binding::GROUP_ENDS, vec![storage("u32")]),
+        (binding::LINKS, vec![storage("Link")]),
+        (binding::ACTIVITY, vec![storage("u32")]),
     ];
     bindings.into_iter().map(|(binding, kinds)| (binding, kinds.into_iter().collect())).collect()
 }

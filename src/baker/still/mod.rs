@@ -1,14 +1,18 @@
 //! The algorithm of a static bake, as a list of passes: bounces first, then samples that are kept.
 
+mod adapting;
+mod passes;
+
 use super::aiming::{Aiming, Occasion};
 use super::progress::{Clock, Outcome, Progress, Stop, Stretch};
 use super::{BakeSettings, Core, LightMap};
-use crate::epochs::{Bounces, Epoch, Epochs};
+use crate::epochs::{Bounces, Epoch, Epochs, Stage};
 use crate::error::Result;
-use crate::features::Features;
 use crate::gpu::layout::Push;
-use crate::pass::{Bake, Context, Dilate, Direct, Resolve, ResolveSums, Source, SourceSums};
+use crate::pass::{ResolveSums, SourceSums};
 use crate::schedule::{Pace, Sweep, Unit};
+use adapting::Adapting;
+use passes::Passes;
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
@@ -16,19 +20,12 @@ use std::time::{Duration, Instant};
 pub(super) struct Still {
     passes: Passes,
     aiming: Aiming,
+    adapting: Option<Adapting>,
     bounces: Bounces,
     pace: Pace,
     state: Option<State>,
     /// What all calls took so far, but for the light maps at their ends.
     baked: Duration,
-}
-
-struct Passes {
-    direct: Option<Direct>,
-    source: Source,
-    bake: Bake,
-    resolve: Resolve,
-    dilate: Dilate,
 }
 
 /// Where a bake stands, between two slices.
@@ -50,11 +47,8 @@ struct State {
 /// Rays of a quantum that is kept, each of a stratum of its own. Lavapipe, a game level, Mrays/s: 16 rays 3.7, 64 rays
 /// 4.0 to 4.9, for neighbouring texels' rays then are all but parallel.
 const RAYS: u32 = 64;
-/// The same for bounce epochs, which only have to carry the mean. A game level of nine bounces, median difference from a
-/// reference after the first 64 kept samples: 8 rays 12.9 % in 3.1 s, 4 rays 14.9 % in 2.3 s, 16 rays in 5.0 s.
+/// The same for bounce epochs, which only have to carry the mean.
 const BOUNCE_RAYS: u32 = 8;
-/// In so many bounce epochs rays are aimed anew, at what the first bounces show; then they stay the same.
-const AIMED_BOUNCES: u32 = 2;
 /// Random numbers of bounce epochs start here, above those of kept samples.
 const BOUNCE_SAMPLES: u32 = 1 << 31;
 
@@ -63,6 +57,7 @@ impl Still {
         Ok(Self {
             passes: Passes::new(core)?,
             aiming: Aiming::new(core, settings.sampling)?,
+            adapting: Adapting::new(core)?,
             bounces: settings.bounces,
             pace: Pace::new(settings.slice),
             state: None,
@@ -84,12 +79,15 @@ impl Still {
             Some(state) => state,
             None => self.start(core)?,
         };
+        if let Some(adapting) = &mut self.adapting {
+            adapting.aim_for(core, stop.error)?;
+        }
         // After an error the device is in no state to go on.
         let outcome = self.run(core, &mut state, stop, clock, progress)?;
         self.baked += clock.elapsed() - before;
         self.resolve(core, &mut state)?;
         core.statistics.bounces_missing = state.epochs.missing() as f32;
-        if stretch == Stretch::Whole && state.epoch == Epoch::Bounce && core.texels.count > 0 {
+        if stretch == Stretch::Whole && matches!(state.epoch, Epoch::Bounce(_)) && core.texels.count > 0 {
             let missing = state.epochs.missing();
             let share =
                 if missing.is_finite() { format!("{:.2} %", 100.0 * missing) } else { "an unknown part".into() };
@@ -112,10 +110,11 @@ impl Still {
         self.aiming.refresh(core, Occasion::NewSource)?;
         self.light_directly(core)?;
         core.statistics.seconds.direct += started.elapsed().as_secs_f64() - core.statistics.seconds.importance;
-        let epochs = Epochs::new(self.bounces, emitted.max_albedo, emitted.mean_radiance);
+        let first = if self.aiming.may_aim() { Stage::Pilot } else { Stage::Last };
+        let epochs = Epochs::new(self.bounces, first, emitted.max_albedo, emitted.mean_radiance);
         let mut state = State {
             epochs,
-            epoch: Epoch::Bounce,
+            epoch: Epoch::Bounce(first),
             sweep: Sweep::new(0, 0..0),
             kept: 0,
             next_estimate: 2,
@@ -159,7 +158,7 @@ impl Still {
         let mut interrupted = false;
         loop {
             let (started, apart_before) = (Instant::now(), core.statistics.seconds.beside_bake());
-            let rays = if state.epoch == Epoch::Bounce { BOUNCE_RAYS } else { RAYS };
+            let rays = self.rays(core, state.epoch);
             let limit = stop.quanta(rays).min(state.next_estimate);
             match state.sweep.next(&self.pace, rays, limit) {
                 Some(unit) => self.gather(core, state, rays, unit)?,
@@ -168,15 +167,17 @@ impl Still {
             }
             state.covered |= state.sweep.finished_pass().is_some();
             if let (Epoch::Keep { .. }, Some(kept)) = (state.epoch, state.sweep.finished_pass()) {
-                state.kept = kept;
+                self.keep(core, state, kept);
                 if kept >= state.next_estimate {
-                    self.resolve(core, state)?;
+                    let sums = self.resolve(core, state)?;
+                    if let Some(adapting) = &mut self.adapting {
+                        adapting.decide(core, &sums)?;
+                    }
                     state.next_estimate = kept + (kept / 16).max(2);
                 }
             }
             let apart = core.statistics.seconds.beside_bake() - apart_before;
             core.statistics.seconds.bake += started.elapsed().as_secs_f64() - apart;
-            core.statistics.samples_per_texel = f64::from(state.kept) * f64::from(RAYS);
             let report = core.statistics.progress(state.epoch, stop, clock.elapsed());
             interrupted |= progress(&report).is_break();
             if !state.covered {
@@ -191,31 +192,59 @@ impl Still {
         }
     }
 
+    /// Every texel that takes rays has got quanta up to this one.
+    fn keep(&mut self, core: &mut Core, state: &mut State, kept: u32) {
+        let quanta = kept - std::mem::replace(&mut state.kept, kept);
+        let mean = match &mut self.adapting {
+            Some(adapting) => adapting.add(quanta),
+            None => f64::from(kept),
+        };
+        core.statistics.samples_per_texel = mean * f64::from(RAYS);
+        core.statistics.most_samples = f64::from(kept) * f64::from(RAYS);
+    }
+
+    /// Of a quantum.
+    fn rays(&self, core: &Core, epoch: Epoch) -> u32 {
+        match epoch {
+            Epoch::Keep { .. } => RAYS,
+            Epoch::Bounce(_) if self.passes.bounce.is_none() => BOUNCE_RAYS,
+            Epoch::Bounce(Stage::Pilot) => core.maps.links.rays.min(BOUNCE_RAYS),
+            Epoch::Bounce(Stage::Last) => core.maps.links.rays,
+        }
+    }
+
     /// One slice of rays.
     fn gather(&mut self, core: &mut Core, state: &State, rays: u32, unit: Unit) -> Result<()> {
-        let bounces = state.epochs.bounces_done().min(AIMED_BOUNCES);
+        let bounces = matches!(state.epoch, Epoch::Bounce(_));
         // Those that show how to aim are not those that are aimed so.
-        let first_sample = if state.epoch == Epoch::Bounce { BOUNCE_SAMPLES + bounces * BOUNCE_RAYS } else { 0 };
-        let push = Push { first_sample, evidence_quantum: state.evidence_quantum, ..core.push };
-        let refreshes = state.epoch != Epoch::Bounce || bounces < AIMED_BOUNCES;
+        let first_sample = match state.epoch {
+            Epoch::Bounce(Stage::Pilot) => BOUNCE_SAMPLES,
+            Epoch::Bounce(Stage::Last) => BOUNCE_SAMPLES + RAYS,
+            Epoch::Keep { .. } => 0,
+        };
+        let link_stride = if bounces && self.passes.bounce.is_some() { core.maps.links.stride() } else { 0 };
+        let push = Push { first_sample, link_stride, evidence_quantum: state.evidence_quantum, ..core.push };
+        let refreshes = !bounces || state.epochs.rays_are_new();
         let push = self.aiming.push(push, rays, state.epoch, refreshes);
-        let quanta = u64::from(unit.texels.end - unit.texels.start) * u64::from(unit.quanta.end - unit.quanta.start);
+        // What it would be if all texels took rays: a slice is as many texels as the last took for its time.
+        let nominal = u64::from(unit.texels.end - unit.texels.start) * u64::from(unit.quanta.end - unit.quanta.start);
+        let quanta = self.adapting.as_ref().map_or(nominal, |adapting| adapting.quanta_of(&unit));
         core.statistics.sampling.count(rays, [push.source_rays, push.sky_rays], quanta);
-        let rays = quanta * u64::from(rays);
+        let rays = u64::from(rays);
         let pass = &self.passes.bake;
         let took = core.commands.run(|recorder| {
             pass.record(recorder, &push, 0, unit.texels, unit.quanta);
             Ok(())
         })?;
-        self.pace.measured(rays, took);
-        core.statistics.rays += rays;
+        self.pace.measured(nominal * rays, took);
+        core.statistics.rays += quanta * rays;
         Ok(())
     }
 
     /// What was gathered becomes the source of the next epoch.
     fn end_epoch(&mut self, core: &mut Core, state: &mut State) -> Result<()> {
-        let bounced = state.epoch == Epoch::Bounce;
-        if bounced {
+        if let Epoch::Bounce(_) = state.epoch {
+            self.go_along_links(core, state)?;
             let radiance = self.update_source(core)?.mean_radiance;
             state.epochs.bounced(radiance)?;
             // Beside a surface the weights of a texel's few aimed rays may add up to more than the surface gives back; those
@@ -227,24 +256,38 @@ impl Still {
             self.update_source(core)?;
         }
         core.statistics.epochs += 1;
+        let before = state.epoch;
         self.begin_epoch(core, state);
-        if state.epoch != Epoch::Bounce {
-            self.aiming.refresh(core, Occasion::Epoch)
-        } else if bounced && state.epochs.bounces_done() <= AIMED_BOUNCES {
-            // The bounces follow one operator, which aimed rays are a part of.
-            self.aiming.refresh(core, Occasion::NewSource)
-        } else {
-            Ok(())
+        match state.epoch {
+            Epoch::Keep { .. } => self.aiming.refresh(core, Occasion::Epoch),
+            // Within a stage the bounces follow one operator, which aimed rays are a part of.
+            Epoch::Bounce(_) if state.epoch != before => self.aiming.refresh(core, Occasion::NewSource),
+            Epoch::Bounce(_) => Ok(()),
         }
+    }
+
+    /// A bounce whose rays have been traced before.
+    fn go_along_links(&self, core: &mut Core, state: &State) -> Result<()> {
+        let Some(pass) = self.passes.bounce.as_ref().filter(|_| !state.epochs.rays_are_new()) else { return Ok(()) };
+        let (rays, link_stride) = (self.rays(core, state.epoch), core.maps.links.stride());
+        let (push, count) = (Push { rays, link_stride, ..core.push }, core.texels.count);
+        core.commands.run(|recorder| {
+            pass.record(recorder, &push, 0..count);
+            Ok(())
+        })?;
+        Ok(())
     }
 
     fn begin_epoch(&self, core: &Core, state: &mut State) {
         state.epoch = state.epochs.next();
         let quanta = match state.epoch {
-            Epoch::Bounce => 0..1,
+            Epoch::Bounce(_) if self.passes.bounce.is_some() && !state.epochs.rays_are_new() => 0..0,
+            Epoch::Bounce(_) => 0..1,
             Epoch::Keep { quanta } => state.kept..state.kept + quanta,
         };
-        state.evidence_quantum = quanta.end - 1;
+        if !quanta.is_empty() {
+            state.evidence_quantum = quanta.end - 1;
+        }
         state.sweep = Sweep::new(core.texels.count, quanta);
     }
 
@@ -263,8 +306,9 @@ impl Still {
     }
 
     /// The light map as far as it is, and its estimated error.
-    fn resolve(&self, core: &mut Core, state: &mut State) -> Result<()> {
+    fn resolve(&self, core: &mut Core, state: &mut State) -> Result<ResolveSums> {
         let started = Instant::now();
+        let mut sums = ResolveSums::default();
         // The error is relative to the mean, which the first time is not known yet.
         let times = if state.mean_luminance == 0.0 { 2 } else { 1 };
         for _ in 0..times {
@@ -274,12 +318,12 @@ impl Still {
                 pass.record(recorder, &push, 0..texels.count);
                 Ok(())
             })?;
-            let sums = ResolveSums::read(texels);
+            sums = ResolveSums::read(texels);
             state.mean_luminance = sums.mean;
             core.statistics.estimated_error = (state.kept >= 2).then_some(sums.relative_mse.sqrt() as f32);
         }
         core.statistics.seconds.resolve += started.elapsed().as_secs_f64();
-        Ok(())
+        Ok(sums)
     }
 
     pub(super) fn read_back(&mut self, core: &mut Core) -> Result<LightMap> {
@@ -304,33 +348,5 @@ impl Still {
         core.statistics.seconds.resolve += started.elapsed().as_secs_f64();
         let [width, height] = core.maps.size;
         Ok(LightMap { width, height, pixels })
-    }
-}
-
-impl Passes {
-    fn new(core: &mut Core) -> Result<Self> {
-        let context = Context { gpu: &core.gpu, constants: core.constants, scene: &core.scene, maps: &core.maps };
-        let (texels, commands) = (&core.texels, &mut core.commands);
-        let lights = core.features.contains(Features::LIGHTS);
-        let passes = Self {
-            direct: lights.then(|| Direct::new(context, texels)).transpose()?,
-            source: Source::new(context, texels)?,
-            bake: Bake::new(context, texels)?,
-            resolve: Resolve::new(context, texels)?,
-            dilate: Dilate::new(context, commands)?,
-        };
-        // On no texel: drivers that compile at the first use do so here, and not in a slice.
-        let nothing = Push { map_size: [0, 0], rays: 1, ..core.push };
-        commands.run(|recorder| {
-            if let Some(direct) = &passes.direct {
-                direct.record(recorder, &nothing, 0..0);
-            }
-            passes.source.record(recorder, &nothing, 0, 0..0);
-            passes.bake.record(recorder, &nothing, 0, 0..0, 0..0);
-            passes.resolve.record(recorder, &nothing, 0..0);
-            passes.dilate.record(recorder, &nothing);
-            Ok(())
-        })?;
-        Ok(passes)
     }
 }
