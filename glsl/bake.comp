@@ -41,16 +41,12 @@ Arrival shoot(Receiver r, uint index, uint sample_index, bool tells, inout Evide
     uint sighting = r.row + aim.target.cluster;
     if (tells) atomicAdd(sightings[sighting], TRIED);
     if (!traced) return NO_ARRIVAL;
-    // Four of five lines of sight are blocked, which any hit tells; what they find is looked for at their end.
-    if (IMPORTANCE && aim.technique == BY_SOURCE) {
-        float t_max = ray.t_max;
-        ray.t_max *= SIGHT;
-        if (trace_occluded(ray)) return NO_ARRIVAL;
-        ray.t_min = ray.t_max;
-        ray.t_max = t_max;
-    }
+    // Many lines of sight are blocked, which any hit tells; what the others find is at their end.
+    float enough = IMPORTANCE && aim.technique == BY_SOURCE ? SIGHT * ray.t_max : 0.0;
+    Hit hit = trace_until(ray, enough);
+    if (IMPORTANCE && hit.committed && hit.t < enough) return NO_ARRIVAL;
     float seen = evidence.seen;
-    Arrival arrival = weigh(r, trace_closest(ray), ray.direction, aim, evidence);
+    Arrival arrival = weigh(r, hit, ray.direction, aim, evidence);
     if (tells && evidence.seen > seen) atomicAdd(sightings[sighting], SEEN);
     return arrival;
 }

@@ -31,18 +31,20 @@ struct Ray {
 layout(set = 0, binding = 0) uniform accelerationStructureEXT scene_structure;
 
 #define RayQuery rayQueryEXT
-#define ray_query_initialize(q, ray, any_hit)                                                                          \
-    rayQueryInitializeEXT(q, scene_structure,                                                                          \
-                          gl_RayFlagsNoOpaqueEXT | ((any_hit) ? gl_RayFlagsTerminateOnFirstHitEXT : gl_RayFlagsNoneEXT), \
-                          0xffu, ray.origin, ray.t_min, ray.direction, ray.t_max)
+#define ray_query_initialize(q, ray)                                                                                   \
+    rayQueryInitializeEXT(q, scene_structure, gl_RayFlagsNoOpaqueEXT, 0xffu, ray.origin, ray.t_min, ray.direction,     \
+                          ray.t_max)
 #define ray_query_candidate_instance(q) uint(rayQueryGetIntersectionInstanceCustomIndexEXT(q, false))
 #define ray_query_candidate_primitive(q)                                                                               \
     (uint(rayQueryGetIntersectionPrimitiveIndexEXT(q, false)) + instances[ray_query_candidate_instance(q)].first_primitive)
-#define ray_query_proceed(q, ray)                                                                                      \
+#define ray_query_proceed(q, ray, enough)                                                                              \
     while (rayQueryProceedEXT(q)) {                                                                                    \
-        if (ray_query_candidate_instance(q) != ray.skip_instance                                                       \
-            || ray_query_candidate_primitive(q) != ray.skip_primitive)                                                 \
-            rayQueryConfirmIntersectionEXT(q);                                                                         \
+        if (ray_query_candidate_instance(q) == ray.skip_instance                                                       \
+            && ray_query_candidate_primitive(q) == ray.skip_primitive)                                                 \
+            continue;                                                                                                  \
+        bool ends = rayQueryGetIntersectionTEXT(q, false) < (enough);                                                  \
+        rayQueryConfirmIntersectionEXT(q);                                                                             \
+        if (ends) rayQueryTerminateEXT(q);                                                                             \
     }
 #define ray_query_committed(q) (rayQueryGetIntersectionTypeEXT(q, true) != gl_RayQueryCommittedIntersectionNoneEXT)
 #define ray_query_t(q) rayQueryGetIntersectionTEXT(q, true)
@@ -57,7 +59,6 @@ layout(set = 0, binding = 0) uniform accelerationStructureEXT scene_structure;
 #include "bvh.glsl"
 
 struct RayQuery {
-    bool any_hit;
     bool committed;
     float t;
     uint instance;
@@ -73,8 +74,7 @@ struct RayQuery {
 #define ray_query_barycentrics(q) q.barycentrics
 #define ray_query_front_face(q) q.front_face
 
-void ray_query_initialize(out RayQuery q, Ray ray, bool any_hit) {
-    q.any_hit = any_hit;
+void ray_query_initialize(out RayQuery q, Ray ray) {
     q.committed = false;
     q.t = ray.t_max;
     q.instance = 0u;
@@ -105,8 +105,8 @@ const uint DONE = 0xffffffffu;
 const uint LEAVE = 0xfffffffeu;
 
 // Two nested loops, down to the next leaf and on from it, so that lanes that share their instructions test their leaves
-// together.
-void ray_query_proceed(inout RayQuery q, Ray ray) {
+// together. A hit nearer than `enough` ends it.
+void ray_query_proceed(inout RayQuery q, Ray ray, float enough) {
     uint stack[STACK_SIZE];
     stack[0] = DONE;
     uint height = 1u;
@@ -145,7 +145,7 @@ void ray_query_proceed(inout RayQuery q, Ray ray) {
             continue;
         } else {
             test_leaf(q, ray, slope, current, instance);
-            if (q.any_hit && q.committed) return;
+            if (q.committed && q.t < enough) return;
         }
         current = stack[--height];
     }
@@ -162,10 +162,11 @@ struct Hit {
     bool front_face;
 };
 
-Hit trace_closest(Ray ray) {
+// The closest hit, or any that is nearer than `enough`.
+Hit trace_until(Ray ray, float enough) {
     RayQuery query;
-    ray_query_initialize(query, ray, false);
-    ray_query_proceed(query, ray);
+    ray_query_initialize(query, ray);
+    ray_query_proceed(query, ray, enough);
     Hit hit;
     hit.committed = ray_query_committed(query);
     if (!hit.committed) return Hit(false, ray.t_max, 0u, 0u, vec2(0.0), false);
@@ -177,10 +178,14 @@ Hit trace_closest(Ray ray) {
     return hit;
 }
 
+Hit trace_closest(Ray ray) {
+    return trace_until(ray, 0.0);
+}
+
 bool trace_occluded(Ray ray) {
     RayQuery query;
-    ray_query_initialize(query, ray, true);
-    ray_query_proceed(query, ray);
+    ray_query_initialize(query, ray);
+    ray_query_proceed(query, ray, 1e38);
     return ray_query_committed(query);
 }
 
