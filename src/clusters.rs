@@ -194,8 +194,24 @@ fn halve_extent(sites: &[Site], members: &mut [u32], axis: Axis) -> usize {
     let (lo, hi) =
         members.iter().map(value).fold((f32::INFINITY, f32::NEG_INFINITY), |(lo, hi), v| (lo.min(v), hi.max(v)));
     let middle = lo + 0.5 * (hi - lo);
-    members.sort_by_key(|index| value(index) > middle);
-    members.partition_point(|index| value(index) <= middle)
+    part(members, |index| value(&index) <= middle)
+}
+
+/// Puts the members for which `first` holds first, all in the order they were in; returns how many those are.
+fn part(members: &mut [u32], first: impl Fn(u32) -> bool) -> usize {
+    let mut others = Vec::new();
+    let mut count = 0;
+    for place in 0..members.len() {
+        let member = members[place];
+        if first(member) {
+            members[count] = member;
+            count += 1;
+        } else {
+            others.push(member);
+        }
+    }
+    members[count..].copy_from_slice(&others);
+    count
 }
 
 #[cfg(test)]
@@ -246,6 +262,13 @@ mod tests {
         let lamps =
             layout.clusters.iter().filter(|cluster| sites[layout.order[cluster.start as usize] as usize].power > 0.0);
         assert_eq!(lamps.count(), 4);
+    }
+
+    #[test]
+    fn parts_keep_their_order() {
+        let mut members = [5, 2, 9, 4, 1, 6];
+        assert_eq!((part(&mut members, |member| member % 2 == 0), members), (3, [2, 4, 6, 5, 9, 1]));
+        assert_eq!((part(&mut members, |_| true), part(&mut members, |_| false), part(&mut [], |_| true)), (6, 0, 0));
     }
 
     #[test]

@@ -17,7 +17,8 @@ const LAYERS: [&[&str]; 8] = [
     &["io", "headless"],
 ];
 /// Modules that know no Vulkan.
-const PURE: [&str; 9] = ["adaptive", "clusters", "scene", "bvh", "features", "epochs", "sampling", "schedule", "temporal"];
+const PURE: [&str; 9] =
+    ["adaptive", "clusters", "scene", "bvh", "features", "epochs", "sampling", "schedule", "temporal"];
 const RUST_LINES: usize = 400;
 const GLSL_LINES: usize = 200;
 

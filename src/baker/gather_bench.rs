@@ -9,6 +9,7 @@ use crate::gpu::{Buffer, BufferDesc, Gpu, Location, Stopwatch};
 use crate::pass::{Bake, Emit, Groups};
 use crate::scene::{Atlas, Resolution, Scene};
 use ash::vk;
+use std::ops::Range;
 use std::time::Duration;
 
 /// A scene whose light is about to be gathered, by the cosine alone.
@@ -35,6 +36,8 @@ const GROUP_RAYS: usize = (GROUP * RAYS) as usize;
 const GROUPS_AT_ONCE: u32 = 256;
 /// Texels of one dispatch: all of a map of 512 x 512, and a second of 32 rays each on a slow device.
 const TEXELS_AT_ONCE: usize = 1 << 18;
+/// Stretches that a part of the light map is gathered in: each is a dispatch that should fill the device.
+const STRETCHES: u32 = 16;
 
 impl GatherBench {
     /// Draws the g-buffer; `bvh` is the scene's hierarchy. Waits for the device.
@@ -106,15 +109,37 @@ impl GatherBench {
     /// # Errors
     /// `DeviceLost` or `Driver` from the device.
     pub fn gather(&mut self, rays: u32) -> Result<Duration> {
+        Ok(self.gather_part(rays, self.texels())?.1)
+    }
+
+    /// The same of about so many texels, in a few stretches from all over the light map: a large map gives as many rays as
+    /// a small one. Returns how many texels those were.
+    ///
+    /// # Errors
+    /// As [`GatherBench::gather`].
+    pub fn gather_part(&mut self, rays: u32, texels: u32) -> Result<(u32, Duration)> {
         let Self { core, bake, stopwatch } = self;
         let push = Push { rays, ..core.push };
-        let mut sum = Duration::ZERO;
-        for first in (0..core.texels.count).step_by(TEXELS_AT_ONCE) {
-            let texels = first..core.texels.count.min(first + TEXELS_AT_ONCE as u32);
+        let (mut gathered, mut sum) = (0, Duration::ZERO);
+        for texels in stretches(core.texels.count, texels) {
+            gathered += texels.end - texels.start;
             sum += stopwatch.run(&mut core.commands, |recorder| bake.record(recorder, &push, 0, texels, 0..1))?;
         }
-        Ok(sum)
+        Ok((gathered, sum))
     }
+}
+
+/// Parts of a list of `count` texels, about `wanted` in all, whole work groups but for the last.
+fn stretches(count: u32, wanted: u32) -> Vec<Range<u32>> {
+    if wanted >= count {
+        let end = |first: u32| count.min(first + TEXELS_AT_ONCE as u32);
+        return (0..count).step_by(TEXELS_AT_ONCE).map(|first| first..end(first)).collect();
+    }
+    let length = wanted.div_ceil(STRETCHES).next_multiple_of(GROUP).min(TEXELS_AT_ONCE as u32);
+    let first = |stretch: u32| (u64::from(count) * u64::from(stretch) / u64::from(STRETCHES)) as u32 / GROUP * GROUP;
+    let ends = (1..STRETCHES).map(first).chain([count]);
+    let stretches = (0..STRETCHES).map(first).zip(ends).map(|(first, end)| first..end.min(first + length));
+    stretches.filter(|stretch| !stretch.is_empty()).collect()
 }
 
 impl SentRays {
@@ -124,5 +149,25 @@ impl SentRays {
             self.rays.push(ray);
             self.skip.push(skip);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stretches_are_spread_over_the_list() {
+        assert_eq!(stretches(300_000, 300_000), [0..1 << 18, 1 << 18..300_000]);
+        assert!(stretches(0, 5).is_empty());
+        for (count, wanted) in [(1 << 24, 1 << 16), (1000, 999), (100, 1), (65_537, 65_536), (1 << 28, 1 << 27)] {
+            let parts = stretches(count, wanted);
+            assert!(parts.iter().all(|part| !part.is_empty() && part.start % GROUP == 0 && part.end <= count));
+            assert!(parts.windows(2).all(|pair| pair[0].end <= pair[1].start), "{parts:?}");
+            let sum: u32 = parts.iter().map(|part| part.end - part.start).sum();
+            assert!(sum <= wanted.next_multiple_of(GROUP * STRETCHES), "{sum} of {wanted}");
+        }
+        let spread = stretches(1 << 24, 1 << 16);
+        assert_eq!((spread.len(), spread[15].clone()), (16, 15 << 20..(15 << 20) + 4096));
     }
 }

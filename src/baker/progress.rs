@@ -102,8 +102,10 @@ pub struct Progress {
 pub struct Seconds {
     /// Building the hierarchy on the host.
     pub bvh: f64,
-    /// Uploading the scene, drawing the g-buffer and settling its texels.
+    /// Laying out the light map, uploading the scene, drawing the g-buffer and settling its texels.
     pub gbuffer: f64,
+    /// Finding what rays can be aimed at: clusters of texels, and what shares a texel.
+    pub aiming: f64,
     /// The first source map and light from analytic lights.
     pub direct: f64,
     /// Making what rays are aimed by.

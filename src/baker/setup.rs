@@ -36,10 +36,12 @@ impl Baker {
     /// saying what was asked for; `DeviceLost` or `Driver` from the device.
     pub fn new(gpu: &Gpu, scene: &Scene, settings: &BakeSettings) -> Result<Self> {
         check(gpu, settings)?;
+        let started = Instant::now();
         let atlas = Atlas::new(scene, settings.resolution)?;
         let features = features_of(scene, settings);
         MemoryEstimate::of(scene, atlas.size.to_array(), features).check(atlas.size.to_array(), gpu.info())?;
         let mut statistics = Statistics::default();
+        statistics.seconds.gbuffer = started.elapsed().as_secs_f64();
         let started = Instant::now();
         let motion = if settings.mode == Mode::Still { Motion::None } else { Motion::OfMovables };
         if settings.sampling == Sampling::Importance {
@@ -142,6 +144,7 @@ impl Core {
         let compile = draw_surfaces(context, &mut commands, scene, bvh, &push)?;
         let surfaces: Vec<[u32; 4]> = commands.read_image(&maps.surface)?;
         let texels = list_texels(gpu, &mut commands, &maps, &surfaces, &mut statistics)?;
+        let before_aiming = Instant::now();
         if features.contains(Features::IMPORTANCE) {
             let pieces = Pieces::new(&mut commands, scene, bvh, &device_scene, size, &surfaces)?;
             features.set(Features::SHARED_TEXELS, pieces.shared_texels > 0);
@@ -151,6 +154,7 @@ impl Core {
             }
             device_scene.host_primitives = Vec::new();
         }
+        statistics.seconds.aiming = before_aiming.elapsed().as_secs_f64();
         let linked_rays = Links::rays(u64::from(texels.count)).filter(|_| features.contains(Features::LINKS));
         features.set(Features::LINKS, linked_rays.is_some());
         if let Some(rays) = linked_rays {
@@ -165,7 +169,7 @@ impl Core {
             commands.run(|recorder| device_scene.record_placing(recorder, bvh, 0..bvh.instances.len()))?;
         }
         statistics.seconds.compile = compile;
-        statistics.seconds.gbuffer = started.elapsed().as_secs_f64() - compile;
+        statistics.seconds.gbuffer += started.elapsed().as_secs_f64() - compile - statistics.seconds.aiming;
         let gpu = gpu.clone();
         Ok(Self { gpu, commands, constants, texels, maps, scene: device_scene, atlas, push, features, statistics })
     }

@@ -20,6 +20,11 @@ const MAX_DEPTH: u32 = super::MAX_STACK_SIZE as u32 / 2;
 /// rays a second than 0.2 and takes 19 and 27 ms for 8 and 13; 2.0 brings 3 to 4 % more and takes 28 and 34 ms.
 const REINSERTION_RATIO: f32 = 1.0;
 
+/// Boxes above which the share falls, so that as many nodes are tried as of these: reinsertion, not PLOC, is what a large
+/// tree takes. A level subdivided into a million triangles, on two busy cores: all nodes 8.5 to 10 s, a quarter of them 5.2,
+/// a twentieth 0.7 to 2; the expected cost of a ray (surface area heuristic) 15.6, 16.5 and 17.8.
+const REINSERTED: f32 = 250_000.0;
+
 /// Cost of a node in triangle tests when leaves are merged, as in obvhs's presets: the fewest nodes. From 0.5 to
 /// 3 the rays a second are the same within the noise of 3 %, at 1.9 times to once the nodes.
 const TRAVERSAL_COST: f32 = 3.0;
@@ -37,11 +42,12 @@ pub(super) fn tree(boxes: &[Aabb], leaf_size: u32) -> Bvh2 {
         SortPrecision::U64,
         2,
     );
+    let ratio = REINSERTION_RATIO * (REINSERTED / boxes.len().max(1) as f32).min(1.0);
     let mut optimizer = ReinsertionOptimizer::default();
-    optimizer.run(&mut tree, REINSERTION_RATIO, None);
+    optimizer.run(&mut tree, ratio, None);
     if leaf_size > 1 {
         leaf_collapser::collapse(&mut tree, leaf_size, TRAVERSAL_COST);
-        optimizer.run(&mut tree, 2.0 * REINSERTION_RATIO, None);
+        optimizer.run(&mut tree, 2.0 * ratio, None);
     }
     if depth(&tree) > MAX_DEPTH { balanced(boxes, leaf_size) } else { tree }
 }

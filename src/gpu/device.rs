@@ -310,6 +310,12 @@ impl Gpu {
         self.inner.backend
     }
 
+    /// Memory that buffers and images on this device hold now, bytes. What the host writes and reads is among it, an
+    /// engine's own is not.
+    pub fn allocated_bytes(&self) -> u64 {
+        self.allocator().generate_report().total_allocated_bytes
+    }
+
     /// The queue for set-up and for what the engine submits.
     pub(super) fn queue(&self) -> &Queue {
         &self.inner.queue

@@ -11,7 +11,7 @@ use crate::gpu::layout::{self, Primitive};
 use crate::gpu::{Buffer, BufferDesc, Commands, Image, ImageDesc, Location};
 use crate::scene::Scene;
 use ash::vk;
-use glam::Vec2;
+use glam::{DVec2, Vec2};
 
 /// Less of a triangle than this is not aimed at, square texels.
 const LEAST_AREA: f32 = 1e-3;
@@ -39,50 +39,50 @@ impl Pieces {
         size: [u32; 2],
         surfaces: &[[u32; 4]],
     ) -> Result<Self> {
-        let mut found = Vec::new();
+        let look = Look { scene, bvh, device_scene, size, surfaces };
         let any_emits = device_scene.radiators.materials.iter().any(|material| material.emission != [0.0; 3]);
-        for (instance, placed) in scene.instances().iter().enumerate().filter(|_| any_emits) {
-            let range = &bvh.meshes[placed.mesh];
-            let atlas = bvh.instances[instance].atlas;
-            for primitive in range.first_primitive..range.first_primitive + range.count {
-                let encoded = &device_scene.host_primitives[primitive as usize];
-                if encoded.flags & Primitive::MAPPED != 0 {
-                    let corners = encoded.uvs.map(|[u, v]| Vec2::new(u * atlas[0] + atlas[2], v * atlas[1] + atlas[3]));
-                    collect(device_scene, size, surfaces, corners, (instance as u32, primitive), &mut found);
-                }
-            }
+        if !any_emits {
+            return Self::upload(commands, size, &[], &[]);
         }
+        // Most texels hold their owner alone: what lies in the others is listed, and only there.
+        let mut touched = vec![false; surfaces.len()];
+        look.for_each(|chart, texel| touched[texel] |= look.owner(texel) != chart.owned());
+        let mut found = Vec::new();
+        let mut clipper = Clipper::default();
+        look.for_each(|chart, texel| {
+            found.extend(touched[texel].then(|| look.part(chart, texel, &mut clipper)).flatten())
+        });
         found.sort_unstable_by_key(|part| (part.texel, part.instance, part.primitive));
-        let mut shared: Vec<(usize, Vec<layout::Piece>)> = Vec::new();
+        let (mut codes, mut list) = (Vec::new(), Vec::new());
         for parts in found.chunk_by(|one, other| one.texel == other.texel) {
-            let [owner, primitive, ..] = surfaces[parts[0].texel];
-            let owner = layout::Piece { instance: owner - 1, primitive, lo: 0, hi: 0 };
-            if parts.iter().any(|part| part.primitive != primitive || part.instance != owner.instance) {
-                shared.push((parts[0].texel, pieces_of(device_scene, owner, parts)));
+            let owner = look.owner(parts[0].texel);
+            let is_shared =
+                parts.iter().any(|part| (part.instance, part.primitive) != (owner.instance, owner.primitive));
+            if is_shared && list.len() < 1 << FIRST_BITS {
+                let first = list.len();
+                list.extend(pieces_of(device_scene, owner, parts));
+                codes.push((parts[0].texel, ((list.len() - first) as u32) << FIRST_BITS | first as u32));
             }
         }
-        Self::upload(commands, size, &shared)
+        Self::upload(commands, size, &codes, &list)
     }
 
-    /// `shared`: texels with their pieces.
-    fn upload(commands: &mut Commands, size: [u32; 2], shared: &[(usize, Vec<layout::Piece>)]) -> Result<Self> {
+    /// `shared`: texels with their codes.
+    fn upload(
+        commands: &mut Commands,
+        size: [u32; 2],
+        shared: &[(usize, u32)],
+        list: &[layout::Piece],
+    ) -> Result<Self> {
         let size = if shared.is_empty() { [1, 1] } else { size };
         let mut codes = vec![0_u32; size[0] as usize * size[1] as usize];
-        let mut list: Vec<layout::Piece> = Vec::new();
-        for (texel, pieces) in shared {
-            if list.len() >= 1 << FIRST_BITS {
-                break;
-            }
-            codes[*texel] = (pieces.len() as u32) << FIRST_BITS | list.len() as u32;
-            list.extend(pieces);
-        }
+        shared.iter().for_each(|(texel, code)| codes[*texel] = *code);
         let (format, usage) = (PIECES, vk::ImageUsageFlags::STORAGE);
         let desc = ImageDesc { name: "pieces map", size, format, usage, mip_levels: 1 };
         let codes = commands.upload_image(desc, &codes)?;
-        let bytes = size_of_val(list.as_slice()) as u64;
-        let usage = vk::BufferUsageFlags::STORAGE_BUFFER;
+        let (bytes, usage) = (size_of_val(list) as u64, vk::BufferUsageFlags::STORAGE_BUFFER);
         let list =
-            commands.upload(BufferDesc { name: "pieces", size: bytes, usage, location: Location::Device }, &list)?;
+            commands.upload(BufferDesc { name: "pieces", size: bytes, usage, location: Location::Device }, list)?;
         Ok(Self { codes, list, shared_texels: shared.len() as u64 })
     }
 }
@@ -97,32 +97,102 @@ struct Part {
     hi: Vec2,
 }
 
-/// Adds the texels in which a primitive lies, where it or what the g-buffer has there emits.
-fn collect(
-    device_scene: &DeviceScene,
-    [width, height]: [u32; 2],
-    surfaces: &[[u32; 4]],
+/// Where a primitive of an instance lies in the light map.
+struct Chart {
+    instance: u32,
+    primitive: u32,
+    /// Texels.
     corners: [Vec2; 3],
-    (instance, primitive): (u32, u32),
-    found: &mut Vec<Part>,
-) {
-    let emits = device_scene.emits(primitive);
-    let lo = corners[0].min(corners[1]).min(corners[2]).max(Vec2::ZERO).as_uvec2();
-    let hi = corners[0].max(corners[1]).max(corners[2]).max(Vec2::ZERO).as_uvec2();
-    for y in lo.y..=hi.y.min(height - 1) {
-        for x in lo.x..=hi.x.min(width - 1) {
-            let texel = y as usize * width as usize + x as usize;
-            if surfaces[texel][0] == 0 || !(emits || device_scene.emits(surfaces[texel][1])) {
-                continue;
-            }
-            let polygon = clip(corners, Vec2::new(x as f32, y as f32));
-            if area_of(&polygon) > LEAST_AREA {
-                let bounds = (Vec2::INFINITY, Vec2::NEG_INFINITY);
-                let (lo, hi) = polygon.iter().fold(bounds, |(lo, hi), point| (lo.min(*point), hi.max(*point)));
-                found.push(Part { texel, instance, primitive, lo, hi });
+}
+
+impl Chart {
+    fn owned(&self) -> layout::Piece {
+        layout::Piece { instance: self.instance, primitive: self.primitive, lo: 0, hi: 0 }
+    }
+}
+
+/// What is looked through.
+struct Look<'a> {
+    scene: &'a Scene,
+    bvh: &'a Bvh,
+    device_scene: &'a DeviceScene,
+    size: [u32; 2],
+    surfaces: &'a [[u32; 4]],
+}
+
+impl Look<'_> {
+    /// What the g-buffer has in a texel on a surface.
+    fn owner(&self, texel: usize) -> layout::Piece {
+        let [owner, primitive, ..] = self.surfaces[texel];
+        layout::Piece { instance: owner - 1, primitive, lo: 0, hi: 0 }
+    }
+
+    /// Every texel on a surface that a chart touches, where it or what the g-buffer has there emits; and some beside it.
+    fn for_each(&self, mut visit: impl FnMut(&Chart, usize)) {
+        for (instance, placed) in self.scene.instances().iter().enumerate() {
+            let range = &self.bvh.meshes[placed.mesh];
+            let atlas = self.bvh.instances[instance].atlas;
+            for primitive in range.first_primitive..range.first_primitive + range.count {
+                let encoded = &self.device_scene.host_primitives[primitive as usize];
+                if encoded.flags & Primitive::MAPPED == 0 {
+                    continue;
+                }
+                let corners = encoded.uvs.map(|[u, v]| Vec2::new(u * atlas[0] + atlas[2], v * atlas[1] + atlas[3]));
+                let chart = Chart { instance: instance as u32, primitive, corners };
+                let emits = self.device_scene.emits(primitive);
+                for texel in texels_of(corners, self.size) {
+                    let [owner, owning, ..] = self.surfaces[texel];
+                    if owner != 0 && (emits || self.device_scene.emits(owning)) {
+                        visit(&chart, texel);
+                    }
+                }
             }
         }
     }
+
+    /// `None` where it is next to nothing.
+    fn part(&self, chart: &Chart, texel: usize, clipper: &mut Clipper) -> Option<Part> {
+        let width = self.size[0] as usize;
+        let polygon = clipper.clip(chart.corners, Vec2::new((texel % width) as f32, (texel / width) as f32));
+        let bounds = (Vec2::INFINITY, Vec2::NEG_INFINITY);
+        let (lo, hi) = polygon.iter().fold(bounds, |(lo, hi), point| (lo.min(*point), hi.max(*point)));
+        let Chart { instance, primitive, .. } = *chart;
+        (area_of(polygon) > LEAST_AREA).then_some(Part { texel, instance, primitive, lo, hi })
+    }
+}
+
+/// Far beyond what clipping rounds, texels: none that it finds a part in is left out.
+const SLACK: f64 = 1.0 / 16.0;
+
+/// Texels that a triangle touches, row by row, and some beside it.
+fn texels_of(corners: [Vec2; 3], [width, height]: [u32; 2]) -> impl Iterator<Item = usize> {
+    let lo = corners[0].min(corners[1]).min(corners[2]).max(Vec2::ZERO).as_uvec2();
+    let hi = corners[0].max(corners[1]).max(corners[2]).max(Vec2::ZERO).as_uvec2();
+    let corners = corners.map(Vec2::as_dvec2);
+    (lo.y..=hi.y.min(height - 1)).flat_map(move |y| {
+        let (left, right) = extent(corners, f64::from(y) - SLACK, f64::from(y) + 1.0 + SLACK);
+        let row = y as usize * width as usize;
+        let (first, last) = (lo.x.max((left - SLACK) as u32), hi.x.min(width - 1).min((right + SLACK) as u32));
+        (first..=last).map(move |x| row + x as usize)
+    })
+}
+
+/// How far a triangle reaches along x between two heights; infinity and its negative where it does not lie there.
+fn extent(corners: [DVec2; 3], lowest: f64, highest: f64) -> (f64, f64) {
+    let mut reach = (f64::INFINITY, f64::NEG_INFINITY);
+    let mut add = |x: f64| reach = (reach.0.min(x), reach.1.max(x));
+    for (index, a) in corners.iter().enumerate() {
+        let b = corners[(index + 1) % 3];
+        if (lowest..=highest).contains(&a.y) {
+            add(a.x);
+        }
+        for height in [lowest, highest] {
+            if (a.y < height) != (b.y < height) {
+                add(a.x + (b.x - a.x) * (height - a.y) / (b.y - a.y));
+            }
+        }
+    }
+    reach
 }
 
 /// A texel's sheets, the g-buffer's first, each with the bounds of all its parts.
@@ -155,25 +225,36 @@ fn bounds(lo: Vec2, hi: Vec2) -> [u32; 2] {
     if lo.cmplt(hi).all() { [pack(lo), pack(hi)] } else { [0, 0] }
 }
 
-/// A triangle's part of the unit square at `corner`, from there: clipped side by side (Sutherland and Hodgman).
-fn clip(triangle: [Vec2; 3], corner: Vec2) -> Vec<Vec2> {
-    let mut polygon: Vec<Vec2> = triangle.map(|p| p - corner).to_vec();
-    for (normal, offset) in [(Vec2::X, 0.0), (Vec2::NEG_X, 1.0), (Vec2::Y, 0.0), (Vec2::NEG_Y, 1.0)] {
-        let inside = |p: Vec2| p.dot(normal) + offset;
-        let mut clipped = Vec::with_capacity(polygon.len() + 1);
-        for (index, p) in polygon.iter().enumerate() {
-            let next = polygon[(index + 1) % polygon.len()];
-            let (here, there) = (inside(*p), inside(next));
-            if here >= 0.0 {
-                clipped.push(*p);
+/// Clips triangles; keeps its memory.
+#[derive(Default)]
+struct Clipper {
+    polygon: Vec<Vec2>,
+    clipped: Vec<Vec2>,
+}
+
+impl Clipper {
+    /// A triangle's part of the unit square at `corner`, from there: clipped side by side (Sutherland and Hodgman).
+    fn clip(&mut self, triangle: [Vec2; 3], corner: Vec2) -> &[Vec2] {
+        let Self { polygon, clipped } = self;
+        polygon.clear();
+        polygon.extend(triangle.map(|p| p - corner));
+        for (normal, offset) in [(Vec2::X, 0.0), (Vec2::NEG_X, 1.0), (Vec2::Y, 0.0), (Vec2::NEG_Y, 1.0)] {
+            let inside = |p: Vec2| p.dot(normal) + offset;
+            clipped.clear();
+            for (index, p) in polygon.iter().enumerate() {
+                let next = polygon[(index + 1) % polygon.len()];
+                let (here, there) = (inside(*p), inside(next));
+                if here >= 0.0 {
+                    clipped.push(*p);
+                }
+                if (here >= 0.0) != (there >= 0.0) {
+                    clipped.push(p.lerp(next, here / (here - there)));
+                }
             }
-            if (here >= 0.0) != (there >= 0.0) {
-                clipped.push(p.lerp(next, here / (here - there)));
-            }
+            std::mem::swap(polygon, clipped);
         }
-        polygon = clipped;
+        polygon
     }
-    polygon
 }
 
 fn area_of(polygon: &[Vec2]) -> f32 {
@@ -188,11 +269,40 @@ mod tests {
     #[test]
     fn triangles_are_clipped_at_texels() {
         let triangle = [Vec2::new(0.0, 0.0), Vec2::new(2.0, 0.0), Vec2::new(0.0, 2.0)];
-        let area = |x, y| area_of(&clip(triangle, Vec2::new(x, y)));
+        let mut clipper = Clipper::default();
+        let mut area = |x, y| area_of(clipper.clip(triangle, Vec2::new(x, y)));
         assert_eq!([area(0.0, 0.0), area(1.0, 0.0), area(0.0, 1.0)], [1.0, 0.5, 0.5]);
         assert_eq!([area(1.0, 1.0), area(-1.0, 0.0), area(5.0, 5.0)], [0.0; 3]);
         let within = [Vec2::new(3.25, 3.25), Vec2::new(3.75, 3.25), Vec2::new(3.25, 3.75)];
-        assert_eq!(area_of(&clip(within, Vec2::splat(3.0))), 0.125);
+        assert_eq!(area_of(clipper.clip(within, Vec2::splat(3.0))), 0.125);
+    }
+
+    /// Every texel with a part, and none far from the triangle.
+    #[test]
+    fn rows_hold_what_is_clipped() {
+        let size = [32, 24];
+        let mut clipper = Clipper::default();
+        let mut next = random();
+        for _ in 0..500 {
+            let triangle = [(); 3].map(|()| Vec2::new(40.0 * next() - 4.0, 32.0 * next() - 4.0));
+            let found: Vec<usize> = texels_of(triangle, size).collect();
+            assert!(found.windows(2).all(|pair| pair[0] < pair[1]));
+            for texel in 0..32 * 24 {
+                let corner = Vec2::new((texel % 32) as f32, (texel / 32) as f32);
+                let area = area_of(clipper.clip(triangle, corner));
+                assert!(area <= LEAST_AREA || found.contains(&texel), "{triangle:?}, {corner}: {area}");
+            }
+        }
+        assert_eq!(texels_of([Vec2::ZERO, Vec2::new(30.0, 0.0), Vec2::new(0.0, 0.5)], size).count(), 31);
+    }
+
+    /// Numbers from 0 to 1 (Knuth's MMIX generator).
+    fn random() -> impl FnMut() -> f32 {
+        let mut state = 7_u64;
+        move || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 40) as f32 / (1 << 24) as f32
+        }
     }
 
     #[test]

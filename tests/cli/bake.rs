@@ -1,8 +1,8 @@
 //! Bakes of the project's own scenes, and what is said about them.
 
-use crate::support::{Folder, Quad, asset, bake, json, pixel_bits, run, tool};
-use std::process::{Command, Stdio};
-use std::time::Duration;
+#[cfg(unix)]
+use crate::support::interrupted;
+use crate::support::{Folder, Quad, assert_named, assert_says, asset, bake, json, number, pixel_bits, run};
 
 const SMALL: [&str; 4] = ["--samples", "64", "--resolution", "32"];
 
@@ -28,25 +28,20 @@ fn every_output_is_written_and_the_report_has_its_names() {
     let found = bake(&folder, &asset("courtyard.gltf"), &more);
     assert_eq!(found.code, Some(0), "{found:?}");
     assert_eq!(folder.names(), ["out.exr", "p.png", "r.json"]);
-    for name in ["out.exr", "p.png", "r.json"] {
-        assert!(found.stdout.contains(name), "{name} is missing in {found:?}");
-    }
+    assert_says(&found.stdout, &["out.exr", "p.png", "r.json"]);
     let picture = image::open(folder.path("p.png")).expect("is an image");
     let (width, height, _) = pixel_bits(&folder.path("out.exr"));
     assert_eq!((picture.width(), picture.height()), (width, height));
 
     let report = json(&folder.path("r.json"));
-    for name in ["scene", "device", "driver", "backend"] {
-        assert!(report[name].as_str().is_some_and(|text| !text.is_empty()), "{name}: {report}");
-    }
+    assert_named(&report, &["scene", "device", "driver", "backend"]);
     assert_eq!(report["resolution"], serde_json::json!([width, height]));
-    let number = |value: &serde_json::Value| value.as_f64().expect("is a number");
     for name in ["texels", "epochs", "samples_per_texel", "rays", "mrays_per_s"] {
         assert!(number(&report[name]) > 0.0, "{name}: {report}");
     }
     assert!(number(&report["texels"]) <= f64::from(width * height));
     let seconds = &report["seconds"];
-    let parts = ["load", "bvh", "gbuffer", "direct", "importance", "bake", "resolve", "write", "compile"];
+    let parts = ["load", "bvh", "gbuffer", "aiming", "direct", "importance", "bake", "resolve", "write", "compile"];
     assert!(parts.iter().all(|part| number(&seconds[part]) >= 0.0), "{report}");
     assert!(number(&seconds["total"]) >= number(&seconds["bake"]), "{report}");
     let rate = number(&report["rays"]) / number(&seconds["bake"]) * 1e-6;
@@ -104,16 +99,8 @@ fn an_interrupted_bake_keeps_what_is_there() {
     for wait in [2, 8, 30, 90] {
         let folder = Folder::new();
         let (output, report) = (folder.text("out.exr"), folder.text("r.json"));
-        let child = tool(["bake", &asset("cornell.gltf"), "-o", &output, "--time", "1h", "--report", &report])
-            .args(["--resolution", "64"])
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()
-            .expect("the tool starts");
-        std::thread::sleep(Duration::from_secs(wait));
-        let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill starts");
-        assert!(sent.success());
-        let found: crate::support::Run = child.wait_with_output().expect("ends").into();
+        let options = ["--time", "1h", "--report", &report, "--resolution", "64"];
+        let found = interrupted(["bake", &asset("cornell.gltf"), "-o", &output].iter().chain(&options), wait);
         assert_eq!(found.code, Some(130), "{found:?}");
         assert!(found.stderr.contains("interrupted"), "{found:?}");
         if !folder.path("out.exr").exists() {
@@ -153,9 +140,7 @@ fn info_describes_devices_and_a_scene() {
         "total",
         "left out",
     ];
-    for name in names {
-        assert!(found.stdout.contains(name), "'{name}' is missing in {found:?}");
-    }
+    assert_says(&found.stdout, &names);
     assert!(!found.stdout.contains("the sky: it is black"), "{found:?}");
     let found = run(["info", "no/such.gltf"]);
     assert_eq!(found.code, Some(1), "{found:?}");

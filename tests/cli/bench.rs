@@ -1,13 +1,9 @@
 //! `lightoven bench` on the project's own scenes: its figures hang together; how large they are is the machine's affair.
 
-use crate::support::{Folder, Quad, asset, json, run};
+use crate::support::{Folder, Quad, assert_named, assert_refused, assert_says, asset, json, number, run};
 use serde_json::Value;
 
 const SMALL: [&str; 6] = ["--resolution", "32", "--rays", "100000", "--rounds", "3"];
-
-fn number(value: &Value) -> f64 {
-    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
-}
 
 fn assert_spread(spread: &Value) {
     let [least, median, most] = ["least", "median", "most"].map(|name| number(&spread[name]));
@@ -42,13 +38,10 @@ fn figures_are_printed_and_reported() {
     let folder = Folder::new();
     let found = run(["bench", &asset("cornell.gltf"), "--report", &folder.text("r.json")].iter().chain(&SMALL));
     assert_eq!(found.code, Some(0), "{found:?}");
-    for text in ["Mrays/s", "closest hit, software", "any hit, obvhs", "a pass of 32 rays", "32 x 32"] {
-        assert!(found.stdout.contains(text), "'{text}' is missing in {found:?}");
-    }
+    let says = ["Mrays/s", "closest hit, software", "any hit, obvhs", "a pass of 32 rays", "32 x 32"];
+    assert_says(&found.stdout, &says);
     let report = json(&folder.path("r.json"));
-    for name in ["scene", "device", "driver"] {
-        assert!(report[name].as_str().is_some_and(|text| !text.is_empty()), "{name}: {report}");
-    }
+    assert_named(&report, &["scene", "device", "driver"]);
     assert_eq!((&report["rays"], &report["rounds"]), (&100_000.into(), &3.into()));
     assert!(report["cpu"]["threads"].as_u64().is_some_and(|threads| threads > 0), "{report}");
     assert_speeds(&report, "closest");
@@ -88,8 +81,6 @@ fn one_back_end_may_be_asked_for() {
 fn bad_usage_is_named_with_what_is_allowed() {
     let folder = Folder::new();
     let scene = Quad::default().write(&folder);
-    let before = folder.names();
-    let report = folder.text("r.json");
     let bad = [
         ("--rays", "0", "'0'", "1 to 16777216"),
         ("--rays", "20000000", "'20000000'", "1 to 16777216"),
@@ -97,16 +88,12 @@ fn bad_usage_is_named_with_what_is_allowed() {
         ("--rounds", "-2", "'-2'", "1 to 1000"),
         ("--resolution", "0", "'0'", "1 to 16384"),
         ("--backend", "magic", "'magic'", "ray-query"),
+        ("--growth", "leaves", "'leaves'", "texels"),
+        ("--most-triangles", "5000", "--growth", "required"),
+        ("--most-texels", "256", "--growth", "required"),
     ];
-    for (option, value, named, allowed) in bad {
-        let found = run(["bench", &scene, "--report", &report, option, value]);
-        assert_eq!(found.code, Some(2), "{found:?}");
-        for text in [option, named, allowed] {
-            assert!(found.stderr.contains(text), "'{text}' is missing in {found:?}");
-        }
-    }
+    assert_refused("bench", &[], &bad);
     let found = run(["bench", &scene, "--report", &scene]);
     assert_eq!(found.code, Some(2), "{found:?}");
     assert!(found.stderr.contains("same file as the scene"), "{found:?}");
-    assert_eq!(folder.names(), before);
 }

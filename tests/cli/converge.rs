@@ -1,20 +1,16 @@
 //! `lightoven converge` on the project's own scenes. How far a bake comes in a time is the machine's, and not asked for.
 
-use crate::support::{Folder, Quad, Run, asset, json, pixel_bits, run, tool};
+use crate::support::{
+    Folder, Quad, Run, assert_named, assert_refused, assert_says, asset, json, number, pixel_bits, run,
+};
 use lightoven::baker::LightMap;
 use lightoven::io::exr::write_light_map;
 use serde_json::Value;
-use std::process::{Command, Stdio};
-use std::time::Duration;
 
 const SMALL: [&str; 6] = ["--resolution", "32", "--seeds", "2", "--time", "500ms"];
 
 const COLUMNS: &str =
     "sampling,backend,seconds,rays,samples_per_texel,seeds,rmse,relmse,median,p95,bias,bias_noise,efficiency";
-
-fn number(value: &Value) -> f64 {
-    value.as_f64().expect("is a number")
-}
 
 fn converge<'a>(scene: &'a str, more: impl IntoIterator<Item = &'a str>) -> Run {
     run(["converge", scene].into_iter().chain(SMALL).chain(more))
@@ -29,16 +25,13 @@ fn figures_are_printed_reported_and_drawn() {
     let found =
         converge(&scene, ["--sampling", "cosine,mixture=0.5", "--reference-time", "1s"].into_iter().chain(outputs));
     assert_eq!(found.code, Some(0), "{found:?}");
-    for text in ["estimated error", "bakes      2 of each", "mixture=0.5, software: ", "relMSE", "its noise"] {
-        assert!(found.stdout.contains(text), "'{text}' is missing in {found:?}");
-    }
+    let says = ["estimated error", "bakes      2 of each", "mixture=0.5, software: ", "relMSE", "its noise"];
+    assert_says(&found.stdout, &says);
     assert_eq!(folder.names(), ["f.csv", "p.svg", "r.json", "ref.exr"]);
     assert_eq!(pixel_bits(&folder.path("ref.exr")).0, 32);
 
     let report = json(&folder.path("r.json"));
-    for name in ["scene", "device", "driver"] {
-        assert!(report[name].as_str().is_some_and(|text| !text.is_empty()), "{name}: {report}");
-    }
+    assert_named(&report, &["scene", "device", "driver"]);
     assert_eq!((&report["resolution"], &report["seeds"]), (&serde_json::json!([32, 32]), &2.into()));
     assert!((1.0..=1024.0).contains(&number(&report["texels"])), "{report}");
     assert_eq!(report["interrupted"], false);
@@ -59,9 +52,8 @@ fn figures_are_printed_reported_and_drawn() {
     assert!(lines.iter().all(|line| line.split(',').count() == COLUMNS.split(',').count()), "{text}");
 
     let text = std::fs::read_to_string(folder.path("p.svg")).expect("is there");
-    for label in ["seconds of baking", "relMSE against the reference", "slope -1", "cosine, software", "mixture=0.5"] {
-        assert!(text.contains(label), "'{label}' is missing in {text}");
-    }
+    let labels = ["seconds of baking", "relMSE against the reference", "slope -1", "cosine, software", "mixture=0.5"];
+    assert_says(&text, &labels);
     assert_eq!(text.matches("<circle").count(), rows);
 }
 
@@ -121,10 +113,6 @@ fn a_reference_from_a_file_is_scaled() {
 
 #[test]
 fn values_out_of_range_are_named_with_what_is_allowed() {
-    let folder = Folder::new();
-    let scene = Quad::default().write(&folder);
-    let before = folder.names();
-    let report = folder.text("r.json");
     let bad = [
         ("--sampling", "cosine,best", "'best'", "importance"),
         ("--sampling", "auto,cosine,auto", "'auto'", "once"),
@@ -139,16 +127,10 @@ fn values_out_of_range_are_named_with_what_is_allowed() {
         ("--bounces", "many", "'many'", "auto"),
         ("--resolution", "0", "'0'", "1 to 16384"),
     ];
-    for (option, value, named, allowed) in bad {
-        let found = run(["converge", &scene, "--report", &report, option, value]);
-        assert_eq!(found.code, Some(2), "{found:?}");
-        for text in [option, named, allowed] {
-            assert!(found.stderr.contains(text), "'{text}' is missing in {found:?}");
-        }
-    }
+    assert_refused("converge", &[], &bad);
+    let scene = asset("cornell.gltf");
     let found = run(["converge", &scene, "--reference", "a.exr", "--reference-time", "5m"]);
     assert!(found.code == Some(2) && found.stderr.contains("cannot be used with"), "{found:?}");
-    assert_eq!(folder.names(), before);
 }
 
 #[test]
@@ -164,9 +146,7 @@ fn what_cannot_be_measured_fails() {
     let small = write("small.exr", 16, 1.0);
     let found = converge(&scene, ["--reference", &small]);
     assert_eq!(found.code, Some(1), "{found:?}");
-    for text in ["small.exr' is 16 x 16", "cornell.gltf' 32 x 32", "allowed is one size"] {
-        assert!(found.stderr.contains(text), "'{text}' is missing in {found:?}");
-    }
+    assert_says(&found.stderr, &["small.exr' is 16 x 16", "cornell.gltf' 32 x 32", "allowed is one size"]);
     let black = write("black.exr", 32, 0.0);
     let found = converge(&scene, ["--reference", &black]);
     assert_eq!(found.code, Some(1), "{found:?}");
@@ -195,41 +175,25 @@ fn an_output_must_not_replace_an_input_or_another_output() {
     assert_eq!(folder.names(), before);
 }
 
-/// Interrupts a measurement after a while; `None` where the tool did not listen yet.
-#[cfg(unix)]
-fn interrupted(folder: &Folder, options: &[&str], wait: u64) -> Option<Run> {
-    let child = tool(["converge", &asset("cornell.gltf"), "--report", &folder.text("r.json")])
-        .args(["--resolution", "32", "--time", "1h"])
-        .args(options)
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .expect("the tool starts");
-    std::thread::sleep(Duration::from_secs(wait));
-    let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill starts");
-    assert!(sent.success());
-    let found: Run = child.wait_with_output().expect("ends").into();
-    found.code.is_some().then_some(found)
-}
-
-/// How long the tool takes to listen depends on the machine.
 #[cfg(unix)]
 #[test]
 fn an_interruption_before_anything_was_measured_writes_nothing() {
-    let folder = Folder::new();
-    let found = [2, 8, 30].into_iter().find_map(|wait| interrupted(&folder, &[], wait)).expect("listens");
-    assert_eq!(found.code, Some(130), "{found:?}");
-    assert!(found.stderr.contains("no figures") && found.stdout.is_empty(), "{found:?}");
-    assert!(folder.names().is_empty());
+    let scene = asset("cornell.gltf");
+    let options = ["--resolution", "32", "--time", "1h"];
+    crate::support::assert_no_figures_when_interrupted(&[&["converge", scene.as_str()][..], &options].concat());
 }
 
 #[cfg(unix)]
 #[test]
 fn an_interruption_keeps_what_was_measured() {
     let folder = Folder::new();
-    let options = ["--reference-time", "100ms", "--sampling", "auto"];
+    let (scene, report) = (asset("cornell.gltf"), folder.text("r.json"));
+    let options = ["--resolution", "32", "--time", "1h", "--reference-time", "100ms", "--sampling", "auto"];
     for wait in [4, 12, 40] {
-        let Some(found) = interrupted(&folder, &options, wait) else { continue };
+        let found = crate::support::interrupted(["converge", &scene, "--report", &report].iter().chain(&options), wait);
+        if found.code.is_none() {
+            continue;
+        }
         assert_eq!(found.code, Some(130), "{found:?}");
         if folder.names().is_empty() {
             continue;

@@ -5,6 +5,7 @@ mod bake;
 mod bench;
 mod compare;
 mod converge;
+mod growth;
 mod support;
 mod usage;
 mod variance;

@@ -1,8 +1,10 @@
 //! Runs the tool, and makes scenes to run it on.
 
+use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
+use std::time::Duration;
 use tempfile::TempDir;
 
 /// The tool with its arguments.
@@ -92,8 +94,66 @@ pub(crate) fn pixel_bits(path: &Path) -> (u32, u32, Vec<[u32; 4]>) {
     (width, height, pixels.into_iter().map(|pixel| pixel.map(f32::to_bits)).collect())
 }
 
-pub(crate) fn json(path: &Path) -> serde_json::Value {
+pub(crate) fn json(path: &Path) -> Value {
     serde_json::from_str(&fs::read_to_string(path).expect("is there")).expect("is JSON")
+}
+
+pub(crate) fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
+}
+
+/// What a report names is there.
+pub(crate) fn assert_named(report: &Value, names: &[&str]) {
+    for name in names {
+        assert!(report[name].as_str().is_some_and(|text| !text.is_empty()), "{name}: {report}");
+    }
+}
+
+/// All of it was said.
+pub(crate) fn assert_says(text: &str, parts: &[&str]) {
+    for part in parts {
+        assert!(text.contains(part), "'{part}' is missing in {text}");
+    }
+}
+
+/// Values of options that a command refuses, writing nothing: option, value, what is named, what is said to be allowed.
+pub(crate) fn assert_refused(command: &str, more: &[&str], bad: &[(&str, &str, &str, &str)]) {
+    let folder = Folder::new();
+    let scene = Quad::default().write(&folder);
+    let before = folder.names();
+    let report = folder.text("r.json");
+    for (option, value, named, allowed) in bad {
+        let found = run([command, &scene, "--report", &report].iter().chain(more).chain(&[*option, *value]));
+        assert_eq!(found.code, Some(2), "{found:?}");
+        assert_says(&found.stderr, &[option, named, allowed]);
+    }
+    assert_eq!(folder.names(), before);
+}
+
+/// Interrupts the tool after so many seconds. A signal before it listens ends it without a code; how long it takes to
+/// listen depends on the machine.
+#[cfg(unix)]
+pub(crate) fn interrupted<S: AsRef<std::ffi::OsStr>>(arguments: impl IntoIterator<Item = S>, wait: u64) -> Run {
+    let child = tool(arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the tool starts");
+    std::thread::sleep(Duration::from_secs(wait));
+    let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill starts");
+    assert!(sent.success());
+    child.wait_with_output().expect("ends").into()
+}
+
+/// A measurement that is interrupted before it has any figures says so and writes nothing.
+#[cfg(unix)]
+pub(crate) fn assert_no_figures_when_interrupted(arguments: &[&str]) {
+    let folder = Folder::new();
+    let report = folder.text("r.json");
+    let found = [2, 8, 30]
+        .into_iter()
+        .map(|wait| interrupted(arguments.iter().chain(&["--report", &report]), wait))
+        .find(|found| found.code.is_some())
+        .expect("the tool listens within half a minute");
+    assert_eq!(found.code, Some(130), "{found:?}");
+    assert!(found.stderr.contains("no figures") && found.stdout.is_empty(), "{found:?}");
+    assert!(folder.names().is_empty());
 }
 
 /// A unit square that faces up and shines, as glTF; tests spoil it.
@@ -127,7 +187,7 @@ impl Quad {
         bytes
     }
 
-    fn json(&self, buffer: serde_json::Value) -> String {
+    fn json(&self, buffer: Value) -> String {
         let count = self.indices.len();
         let mut attributes = serde_json::json!({"POSITION": 0});
         if self.uvs.is_some() {

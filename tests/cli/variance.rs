@@ -1,8 +1,6 @@
 //! `lightoven variance` on the project's own scenes.
 
-use crate::support::{Folder, Quad, asset, json, run, tool};
-use std::process::{Command, Stdio};
-use std::time::Duration;
+use crate::support::{Folder, Quad, assert_named, assert_refused, assert_says, asset, json, number, run};
 
 const SMALL: [&str; 8] = ["--resolution", "32", "--samples", "65", "--seeds", "3", "--reference-samples", "1024"];
 
@@ -14,15 +12,11 @@ fn figures_are_printed_and_reported() {
     let more = ["--sampling", "cosine,mixture=0.5,cosine", "--report", &report];
     let found = run(["variance", &scene].iter().chain(&SMALL).chain(&more));
     assert_eq!(found.code, Some(0), "{found:?}");
-    for text in ["estimated error", "3 of 128 samples", "mean variance", "median SD", "Mrays/s", "mixture=0.5"] {
-        assert!(found.stdout.contains(text), "'{text}' is missing in {found:?}");
-    }
+    let says = ["estimated error", "3 of 128 samples", "mean variance", "median SD", "Mrays/s", "mixture=0.5"];
+    assert_says(&found.stdout, &says);
     let report = json(&folder.path("r.json"));
-    for name in ["scene", "device", "driver", "backend"] {
-        assert!(report[name].as_str().is_some_and(|text| !text.is_empty()), "{name}: {report}");
-    }
+    assert_named(&report, &["scene", "device", "driver", "backend"]);
     assert_eq!((&report["resolution"], &report["seeds"]), (&serde_json::json!([32, 32]), &3.into()));
-    let number = |value: &serde_json::Value| value.as_f64().expect("is a number");
     assert!((1.0..=1024.0).contains(&number(&report["texels"])), "{report}");
     let reference = &report["reference"];
     assert_eq!((&reference["seed"], number(&reference["samples_per_texel"])), (&0.into(), 1024.0));
@@ -49,10 +43,6 @@ fn figures_are_printed_and_reported() {
 
 #[test]
 fn values_out_of_range_are_named_with_what_is_allowed() {
-    let folder = Folder::new();
-    let scene = Quad::default().write(&folder);
-    let before = folder.names();
-    let report = folder.text("r.json");
     let bad = [
         ("--sampling", "cosine,best", "'best'", "importance"),
         ("--sampling", "mixture=2", "'mixture=2'", "0.1 to 1"),
@@ -65,14 +55,7 @@ fn values_out_of_range_are_named_with_what_is_allowed() {
         ("--bounces", "many", "'many'", "auto"),
         ("--resolution", "0", "'0'", "1 to 16384"),
     ];
-    for (option, value, named, allowed) in bad {
-        let found = run(["variance", &scene, "--report", &report, option, value]);
-        assert_eq!(found.code, Some(2), "{found:?}");
-        for text in [option, named, allowed] {
-            assert!(found.stderr.contains(text), "'{text}' is missing in {found:?}");
-        }
-    }
-    assert_eq!(folder.names(), before);
+    assert_refused("variance", &[], &bad);
 }
 
 #[test]
@@ -88,29 +71,10 @@ fn what_cannot_be_measured_fails() {
     assert!(found.stderr.contains("same file as the scene"), "{found:?}");
 }
 
-/// A signal before the tool listens ends it as any other; how long that takes depends on the machine.
 #[cfg(unix)]
 #[test]
 fn an_interrupted_measurement_writes_nothing() {
-    for wait in [2, 8, 30] {
-        let folder = Folder::new();
-        let child = tool(["variance", &asset("cornell.gltf"), "--report", &folder.text("r.json")])
-            .args(["--resolution", "64", "--seeds", "1000", "--samples", "1000000"])
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()
-            .expect("the tool starts");
-        std::thread::sleep(Duration::from_secs(wait));
-        let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill starts");
-        assert!(sent.success());
-        let found: crate::support::Run = child.wait_with_output().expect("ends").into();
-        if found.code.is_none() {
-            continue;
-        }
-        assert_eq!(found.code, Some(130), "{found:?}");
-        assert!(found.stderr.contains("there are no figures") && found.stdout.is_empty(), "{found:?}");
-        assert!(folder.names().is_empty());
-        return;
-    }
-    panic!("the tool did not listen within half a minute");
+    let scene = asset("cornell.gltf");
+    let options = ["--resolution", "64", "--seeds", "1000", "--samples", "1000000"];
+    crate::support::assert_no_figures_when_interrupted(&[&["variance", scene.as_str()][..], &options].concat());
 }

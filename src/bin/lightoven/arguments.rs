@@ -8,6 +8,7 @@ use lightoven::gpu::BackendChoice;
 use lightoven::headless::{HeadlessSettings, Validation};
 use lightoven::io::gltf::SidednessChoice;
 use lightoven::scene::Resolution;
+use lightoven::{Error, ErrorKind, Result};
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -240,6 +241,15 @@ pub(crate) struct Bench {
     /// Rounds
     #[arg(long, value_name = "N", default_value_t = 9, value_parser = values::rounds, allow_negative_numbers = true)]
     pub(crate) rounds: u32,
+    /// Measure instead how cost grows, by the back end that a bake takes: time and memory of sizes each four times the last
+    #[arg(long, value_enum, value_name = "triangles|texels|both")]
+    pub(crate) growth: Option<GrowthArgument>,
+    /// With --growth: most triangles that the scene is subdivided into, about, from 1024 on
+    #[arg(long, value_name = "N", default_value_t = 1 << 22, value_parser = values::most_triangles, allow_negative_numbers = true, requires = "growth")]
+    pub(crate) most_triangles: u32,
+    /// With --growth: longest side of a light map in texels, from 128 on
+    #[arg(long, value_name = "SIDE", default_value_t = 4096, value_parser = values::most_texels, allow_negative_numbers = true, requires = "growth")]
+    pub(crate) most_texels: u32,
     #[command(flatten)]
     pub(crate) device: DeviceArguments,
     /// Write the figures as JSON too
@@ -252,6 +262,17 @@ pub(crate) struct Bench {
 pub(crate) enum SkyArgument {
     Constant(Vec3),
     File(PathBuf),
+}
+
+/// With what cost grows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum GrowthArgument {
+    /// Every triangle of the scene is cut into equal ones
+    Triangles,
+    /// The light map becomes larger
+    Texels,
+    /// The one and then the other
+    Both,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -308,6 +329,18 @@ impl SceneArguments {
         match self.texels_per_unit {
             Some(density) => Resolution::PerUnit(density),
             None => Resolution::Texels(self.resolution.unwrap_or(512)),
+        }
+    }
+
+    /// An error where a size of the light map was asked for.
+    pub(crate) fn refuse_size(&self, why: &str) -> Result<()> {
+        let resolution = self.resolution.map(|side| format!("--resolution {side}"));
+        match resolution.or(self.texels_per_unit.map(|density| format!("--texels-per-unit {density}"))) {
+            Some(option) => {
+                let context = format!("{why}; {option} is allowed with --growth triangles and both");
+                Err(Error::new(ErrorKind::InvalidSettings, context))
+            }
+            None => Ok(()),
         }
     }
 

@@ -9,6 +9,7 @@ mod bench;
 mod compare;
 mod converge;
 mod device;
+mod fit;
 mod info;
 mod interrupt;
 mod load;

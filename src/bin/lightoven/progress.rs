@@ -3,6 +3,7 @@
 use crate::messages;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use lightoven::baker::Progress;
+use std::borrow::Cow;
 use std::io::IsTerminal;
 use std::ops::Range;
 use std::time::Duration;
@@ -38,7 +39,7 @@ impl Bar {
     }
 
     /// Says what is being done while there are no figures yet.
-    pub(crate) fn say(&self, what: &'static str) {
+    pub(crate) fn say(&self, what: impl Into<Cow<'static, str>>) {
         self.bar.set_prefix(what);
         self.bar.tick();
     }

@@ -1,8 +1,10 @@
 //! Values on the command line, from text. Errors say what is allowed; clap puts the option and the value before them.
 
 use crate::arguments::SkyArgument;
+use crate::bench::growth::{LEAST_SIDE, LEAST_TRIANGLES};
 use glam::Vec3;
 use lightoven::baker::{AimedBy, Bounces, Sampling, Stop};
+use lightoven::bvh::FIRST_BITS;
 use lightoven::scene::atlas::MAX_RESOLUTION;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
@@ -39,6 +41,14 @@ pub(crate) fn seeds(text: &str) -> Result<u32, String> {
 
 pub(crate) fn bench_rays(text: &str) -> Result<u32, String> {
     whole(text, 1..=MAX_BENCH_RAYS)
+}
+
+pub(crate) fn most_triangles(text: &str) -> Result<u32, String> {
+    whole(text, LEAST_TRIANGLES..=1 << FIRST_BITS)
+}
+
+pub(crate) fn most_texels(text: &str) -> Result<u32, String> {
+    whole(text, LEAST_SIDE..=MAX_RESOLUTION)
 }
 
 pub(crate) fn rounds(text: &str) -> Result<u32, String> {

@@ -1,7 +1,8 @@
-//! `lightoven bench`: rays a second of each back end and of obvhs on the CPU, side by side.
+//! `lightoven bench`: rays a second of each back end and of obvhs on the CPU, side by side; and how cost grows.
 
 mod cpu;
 mod figures;
+pub(crate) mod growth;
 mod report;
 
 use crate::arguments::Bench;
@@ -17,6 +18,7 @@ use lightoven::headless::Headless;
 use lightoven::scene::{Atlas, Scene};
 use lightoven::{LoadedRays, Query, Result, Tracer};
 use report::{CpuReport, Gather, Report, Seconds, Spreads, Subject};
+use serde::Serialize;
 use std::time::Instant;
 
 /// Rays a texel of the gathering pass: those of "Interactive Light Mapping with PowerVR Ray Tracing".
@@ -31,16 +33,28 @@ pub(crate) fn run(arguments: &Bench, start: Instant) -> Result<Ending> {
     bar.say("loading");
     let scene = load::scene(&arguments.scene, &arguments.how)?;
     bar.say("preparing");
+    if let Some(growth) = arguments.growth {
+        let measured = growth::measure(arguments, growth, &scene, &bar, start)?;
+        drop(bar);
+        return tell(arguments, measured, growth::Report::text);
+    }
     let devices = devices(arguments)?;
-    let measured = measure(arguments, &scene, &devices, &bar)?;
+    let mut measured = measure(arguments, &scene, &devices, &bar)?;
     devices.iter().try_for_each(device::fail_on_validation)?;
     drop(bar);
-    let Some(mut report) = measured else {
+    if let Some(report) = &mut measured {
+        report.seconds.total = start.elapsed().as_secs_f64();
+    }
+    tell(arguments, measured, Report::text)
+}
+
+/// Prints and writes what was measured; there is nothing when it was interrupted.
+fn tell<R: Serialize>(arguments: &Bench, measured: Option<R>, text: impl Fn(&R) -> String) -> Result<Ending> {
+    let Some(report) = measured else {
         messages::line("interrupted before all rounds were done: there are no figures, and nothing is written");
         return Ok(Ending::Interrupted);
     };
-    report.seconds.total = start.elapsed().as_secs_f64();
-    messages::stdout(&report.text())?;
+    messages::stdout(&text(&report))?;
     if let Some(path) = &arguments.report {
         write_json(path, &report)?;
     }

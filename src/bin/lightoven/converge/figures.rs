@@ -128,16 +128,6 @@ impl Sums {
     }
 }
 
-/// Least-squares slope of ln y over ln x; `None` without two different x. All are more than 0.
-pub(super) fn slope(points: &[(f64, f64)]) -> Option<f64> {
-    let logs: Vec<(f64, f64)> = points.iter().map(|(x, y)| (x.ln(), y.ln())).collect();
-    let count = logs.len() as f64;
-    let (x, y) = logs.iter().fold((0.0, 0.0), |(x, y), log| (x + log.0 / count, y + log.1 / count));
-    let moment = |other: &dyn Fn(&(f64, f64)) -> f64| logs.iter().map(|log| (log.0 - x) * other(log)).sum::<f64>();
-    let slope = moment(&|log| log.1 - y) / moment(&|log| log.0 - x);
-    slope.is_finite().then_some(slope)
-}
-
 /// Rows that a slope is fitted to: with kept samples, and an error well above `floor`, a relMSE.
 pub(super) fn falling(rows: &[Row], floor: f64) -> Vec<&Row> {
     let above = |row: &&Row| row.samples_per_texel > 0.0 && row.relmse > 0.0 && row.relmse >= ABOVE_FLOOR * floor;
@@ -247,17 +237,6 @@ mod tests {
         sums.add(&reference(), at(1.0), &[grey(f64::INFINITY); 4]);
         assert!(sums.row(&reference()).is_none());
         assert_eq!(row(&[0.0, 0.0]).efficiency, None);
-    }
-
-    #[test]
-    fn slopes_are_those_of_powers() {
-        let points = |power: i32| -> Vec<(f64, f64)> {
-            [0.125_f64, 0.25, 1.0, 7.0].iter().map(|x| (*x, 3.0 * x.powi(power))).collect()
-        };
-        for power in [-2, -1, 0, 1] {
-            close(slope(&points(power)).expect("has four"), f64::from(power));
-        }
-        assert_eq!((slope(&[]), slope(&[(1.0, 2.0)]), slope(&[(1.0, 2.0), (1.0, 3.0)])), (None, None, None));
     }
 
     #[test]

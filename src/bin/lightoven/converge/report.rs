@@ -1,7 +1,8 @@
 //! What was measured: a table for people, CSV, and JSON.
 
-use super::figures::{ABOVE_FLOOR, Row, falling, slope};
+use super::figures::{ABOVE_FLOOR, Row, falling};
 use super::reference::Source;
+use crate::fit::slope;
 use serde::Serialize;
 use std::fmt::Write as _;
 
