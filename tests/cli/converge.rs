@@ -65,9 +65,13 @@ fn check_variant(variant: &Value) -> usize {
     assert!(number(&last["seconds"]) >= 0.5 && number(&last["seeds"]) == 2.0, "{variant}");
     assert!((number(&variant["floor"]) - number(&last["bias"]).powi(2)).abs() < 1e-12, "{variant}");
     assert!(number(&variant["floor_noise"]) > 0.0, "{variant}");
-    for slope in ["slope", "slope_over_samples"] {
-        assert_eq!(variant[slope].is_null(), number(&variant["fitted_rows"]) < 2.0, "{variant}");
-    }
+    let fitted = number(&variant["fitted_rows"]) >= 2.0;
+    assert_eq!(variant["slope"].is_null(), !fitted, "{variant}");
+    // On a machine that is busy elsewhere two times may have the same samples, and no line through them has a slope.
+    let samples: Vec<f64> =
+        rows.iter().map(|row| number(&row["samples_per_texel"])).filter(|kept| *kept > 0.0).collect();
+    let differ = samples.windows(2).all(|pair| pair[0] < pair[1]);
+    assert!(variant["slope_over_samples"].is_null() != fitted || !differ, "{variant}");
     for pair in rows.windows(2) {
         assert!(number(&pair[0]["seconds"]) < number(&pair[1]["seconds"]), "{variant}");
         assert!(number(&pair[0]["rays"]) < number(&pair[1]["rays"]), "{variant}");
