@@ -115,7 +115,7 @@ void ray_query_proceed(inout RayQuery q, Ray ray) {
     uint current = push.root;
     while (true) {
         while ((current & LEAF) == 0u) {
-            Node node = nodes[current];
+            Node node = node_at(current);
             Range range0 = intersect_box(slope, node.lo0.xyz, node.hi0.xyz, ray.t_min, q.t);
             Range range1 = intersect_box(slope, node.lo1.xyz, node.hi1.xyz, ray.t_min, q.t);
             uint child0 = node.lo0.w, child1 = node.hi0.w;
