@@ -105,11 +105,13 @@ const uint DONE = 0xffffffffu;
 const uint LEAVE = 0xfffffffeu;
 
 // Two nested loops, down to the next leaf and on from it, so that lanes that share their instructions test their leaves
-// together.
+// together. The top of the stack is in a variable: what comes after it is read while the boxes are tested, not when it is
+// needed.
 void ray_query_proceed(inout RayQuery q, Ray ray) {
     uint stack[STACK_SIZE];
     stack[0] = DONE;
     uint height = 1u;
+    uint top = DONE;
     uint instance = INSTANCES ? NO_INSTANCE : 0u;
     Slope slope = slope_of(ray.origin, ray.direction);
     uint current = push.root;
@@ -122,11 +124,14 @@ void ray_query_proceed(inout RayQuery q, Ray ray) {
             bool hit0 = range0.enter <= range0.leave;
             bool hit1 = range1.enter <= range1.leave;
             bool first0 = hit0 && (!hit1 || range0.enter <= range1.enter);
-            // Always written; the height moves only where both were hit.
-            stack[height] = first0 ? child1 : child0;
-            height += uint(hit0 && hit1);
-            current = first0 ? child0 : child1;
-            if (!hit0 && !hit1) current = stack[--height];
+            bool both = hit0 && hit1;
+            bool none = !hit0 && !hit1;
+            // Always written and read; the height says whether it counts.
+            stack[height] = top;
+            uint below = stack[height - 1u];
+            height = height + uint(both) - uint(none);
+            current = none ? top : first0 ? child0 : child1;
+            top = none ? below : both ? (first0 ? child1 : child0) : top;
         }
         if (current == DONE) return;
         if (INSTANCES && current == LEAVE) {
@@ -134,7 +139,8 @@ void ray_query_proceed(inout RayQuery q, Ray ray) {
             slope = slope_of(ray.origin, ray.direction);
         } else if (INSTANCES && instance == NO_INSTANCE) {
             instance = current & LEAF_FIRST;
-            stack[height++] = LEAVE;
+            stack[height++] = top;
+            top = LEAVE;
             vec4 o = vec4(ray.origin, 1.0);
             vec3 d = ray.direction;
             vec4 x = instances[instance].world_to_object[0];
@@ -147,7 +153,8 @@ void ray_query_proceed(inout RayQuery q, Ray ray) {
             test_leaf(q, ray, slope, current, instance);
             if (q.any_hit && q.committed) return;
         }
-        current = stack[--height];
+        current = top;
+        top = stack[--height];
     }
 }
 
