@@ -3,8 +3,7 @@
 #ifndef LAYOUT_GLSL
 #define LAYOUT_GLSL
 
-// Children's boxes and codes: src/bvh/encode.rs. In xyz the bits of floats, in w of lo0 and hi0 the children's codes:
-// lavapipe loads four at a time for what two loads cost it.
+// Children's boxes and codes: src/bvh/encode.rs. In xyz the bits of floats, in w of lo0 and hi0 the children's codes.
 struct Node {
     uvec4 lo0;
     uvec4 hi0;
@@ -107,6 +106,7 @@ const float PI = 3.14159265358979;
 
 layout(constant_id = 0) const uint FEATURES = 0xffffffffu;
 layout(constant_id = 1) const uint STACK_SIZE = 64u;
+layout(constant_id = 3) const bool TEXEL_BUFFERS = false; // whether the hierarchy is read as texels
 
 // Bits of FEATURES, in the order of src/features.rs.
 const bool INSTANCES = (FEATURES & 1u) != 0u;      // a top level over more than one mesh placement

@@ -105,28 +105,33 @@ const uint DONE = 0xffffffffu;
 const uint LEAVE = 0xfffffffeu;
 
 // Two nested loops, down to the next leaf and on from it, so that lanes that share their instructions test their leaves
-// together. A hit nearer than `enough` ends it.
+// together. The top of the stack is in a variable: what comes after it is read while the boxes are tested, not when it is
+// needed. A hit nearer than `enough` ends it.
 void ray_query_proceed(inout RayQuery q, Ray ray, float enough) {
     uint stack[STACK_SIZE];
     stack[0] = DONE;
     uint height = 1u;
+    uint top = DONE;
     uint instance = INSTANCES ? NO_INSTANCE : 0u;
     Slope slope = slope_of(ray.origin, ray.direction);
     uint current = push.root;
     while (true) {
         while ((current & LEAF) == 0u) {
-            Node node = nodes[current];
+            Node node = node_at(current);
             Range range0 = intersect_box(slope, node.lo0.xyz, node.hi0.xyz, ray.t_min, q.t);
             Range range1 = intersect_box(slope, node.lo1.xyz, node.hi1.xyz, ray.t_min, q.t);
             uint child0 = node.lo0.w, child1 = node.hi0.w;
             bool hit0 = range0.enter <= range0.leave;
             bool hit1 = range1.enter <= range1.leave;
             bool first0 = hit0 && (!hit1 || range0.enter <= range1.enter);
-            // Always written; the height moves only where both were hit.
-            stack[height] = first0 ? child1 : child0;
-            height += uint(hit0 && hit1);
-            current = first0 ? child0 : child1;
-            if (!hit0 && !hit1) current = stack[--height];
+            bool both = hit0 && hit1;
+            bool none = !hit0 && !hit1;
+            // Always written and read; the height says whether it counts.
+            stack[height] = top;
+            uint below = stack[height - 1u];
+            height = height + uint(both) - uint(none);
+            current = none ? top : first0 ? child0 : child1;
+            top = none ? below : both ? (first0 ? child1 : child0) : top;
         }
         if (current == DONE) return;
         if (INSTANCES && current == LEAVE) {
@@ -134,7 +139,8 @@ void ray_query_proceed(inout RayQuery q, Ray ray, float enough) {
             slope = slope_of(ray.origin, ray.direction);
         } else if (INSTANCES && instance == NO_INSTANCE) {
             instance = current & LEAF_FIRST;
-            stack[height++] = LEAVE;
+            stack[height++] = top;
+            top = LEAVE;
             vec4 o = vec4(ray.origin, 1.0);
             vec3 d = ray.direction;
             vec4 x = instances[instance].world_to_object[0];
@@ -147,7 +153,8 @@ void ray_query_proceed(inout RayQuery q, Ray ray, float enough) {
             test_leaf(q, ray, slope, current, instance);
             if (q.committed && q.t < enough) return;
         }
-        current = stack[--height];
+        current = top;
+        top = stack[--height];
     }
 }
 

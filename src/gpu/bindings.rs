@@ -11,6 +11,8 @@ use ash::vk;
 #[derive(Clone, Copy)]
 pub(crate) enum Resource<'a> {
     Storage(&'a Buffer),
+    /// As texels of four words.
+    Texels(&'a Buffer),
     StorageImage(&'a Image),
     Sampled(&'a Image),
     Texture(&'a Image, &'a Sampler),
@@ -21,6 +23,7 @@ impl Resource<'_> {
     fn kind(self) -> vk::DescriptorType {
         match self {
             Self::Storage(_) => vk::DescriptorType::STORAGE_BUFFER,
+            Self::Texels(_) => vk::DescriptorType::UNIFORM_TEXEL_BUFFER,
             Self::StorageImage(_) => vk::DescriptorType::STORAGE_IMAGE,
             Self::Sampled(_) => vk::DescriptorType::SAMPLED_IMAGE,
             Self::Texture(..) => vk::DescriptorType::COMBINED_IMAGE_SAMPLER,
@@ -88,7 +91,7 @@ impl BindingSet {
         let image_info = |image: &Image, sampler| {
             [vk::DescriptorImageInfo { sampler, image_view: image.view, image_layout: vk::ImageLayout::GENERAL }]
         };
-        let (buffers, images, structures);
+        let (buffers, texels, images, structures);
         let mut scene;
         let mut write = vk::WriteDescriptorSet::default().dst_set(self.set).dst_binding(binding);
         write = write.descriptor_type(resource.kind());
@@ -96,6 +99,10 @@ impl BindingSet {
             Resource::Storage(buffer) => {
                 buffers = [vk::DescriptorBufferInfo { buffer: buffer.handle, offset: 0, range: vk::WHOLE_SIZE }];
                 write.buffer_info(&buffers)
+            }
+            Resource::Texels(buffer) => {
+                texels = [buffer.texels];
+                write.texel_buffer_view(&texels)
             }
             Resource::StorageImage(image) | Resource::Sampled(image) => {
                 images = image_info(image, vk::Sampler::null());

@@ -49,6 +49,8 @@ pub(crate) mod binding {
     pub(crate) const GROUP_ENDS: u32 = 40;
     pub(crate) const LINKS: u32 = 41;
     pub(crate) const ACTIVITY: u32 = 42;
+    pub(crate) const NODE_TEXELS: u32 = 43;
+    pub(crate) const TRIANGLE_TEXELS: u32 = 44;
 }
 
 /// What a hit needs of a triangle.

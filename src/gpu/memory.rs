@@ -1,5 +1,6 @@
 //! Buffers and images: a description in, a finished object out.
 
+use super::info::TEXEL_BYTES;
 use super::{Gpu, vulkan_error};
 use crate::error::{Error, ErrorKind, Result};
 use ash::vk;
@@ -41,6 +42,8 @@ pub(crate) struct BufferDesc<'a> {
 pub(crate) struct Buffer {
     gpu: Gpu,
     pub(super) handle: vk::Buffer,
+    /// Its texels, where its usage says that it is read so.
+    pub(super) texels: vk::BufferView,
     allocation: Option<Allocation>,
     size: u64,
 }
@@ -66,7 +69,7 @@ impl Buffer {
         // SAFETY: the description is complete.
         let handle = unsafe { gpu.device().create_buffer(&info, None) }
             .map_err(|result| vulkan_error(format!("create buffer '{name}' of {size} bytes"), result))?;
-        let mut buffer = Self { gpu: gpu.clone(), handle, allocation: None, size };
+        let mut buffer = Self { gpu: gpu.clone(), handle, texels: vk::BufferView::null(), allocation: None, size };
         // SAFETY: the buffer was just made from this device.
         let requirements = unsafe { gpu.device().get_buffer_memory_requirements(handle) };
         let allocation = allocate(gpu, name, requirements, location.memory(), true)?;
@@ -75,6 +78,16 @@ impl Buffer {
         buffer.allocation = Some(allocation);
         bound.map_err(|result| vulkan_error(format!("bind the memory of buffer '{name}'"), result))?;
         gpu.name(handle, name);
+        if usage.contains(vk::BufferUsageFlags::UNIFORM_TEXEL_BUFFER) {
+            let format = vk::Format::R32G32B32A32_UINT;
+            // A device that allows fewer does not read them: `DeviceInfo::reads_texels`.
+            let texels = (size / TEXEL_BYTES).min(gpu.info().max_texel_buffer_elements);
+            let range = texels * TEXEL_BYTES;
+            let info = vk::BufferViewCreateInfo::default().buffer(handle).format(format).range(range);
+            // SAFETY: every device has this format for texel buffers; the buffer has memory, the usage and that size.
+            buffer.texels = unsafe { gpu.device().create_buffer_view(&info, None) }
+                .map_err(|result| vulkan_error(format!("create the view of buffer '{name}'"), result))?;
+        }
         Ok(buffer)
     }
 
@@ -103,7 +116,10 @@ impl Buffer {
 impl Drop for Buffer {
     fn drop(&mut self) {
         // SAFETY: whoever recorded with it has waited for the device before dropping it.
-        unsafe { self.gpu.device().destroy_buffer(self.handle, None) };
+        unsafe {
+            self.gpu.device().destroy_buffer_view(self.texels, None);
+            self.gpu.device().destroy_buffer(self.handle, None);
+        }
         release(&self.gpu, self.allocation.take());
     }
 }

@@ -20,6 +20,8 @@ pub(crate) struct Constants {
     pub(crate) stack_size: u32,
     /// What `trace.comp` asks of a ray; nobody else reads it.
     pub(crate) query: u32,
+    /// Whether the hierarchy is read as texels: [`super::DeviceInfo::reads_texels`], set where a pipeline is made.
+    pub(crate) texel_buffers: vk::Bool32,
 }
 
 /// Entries of the stack beside nodes: where traversal ends, and where it leaves an object.
@@ -30,14 +32,15 @@ impl Constants {
     /// pipelines.
     pub(crate) fn new(features: Features, bvh: &Bvh) -> Self {
         let stack_size = (bvh.most_stack_size() + STACK_MARKS).next_multiple_of(8);
-        Self { features: features.bits(), stack_size, query: 0 }
+        Self { features: features.bits(), stack_size, query: 0, texel_buffers: vk::FALSE }
     }
 }
 
-const CONSTANT_ENTRIES: [vk::SpecializationMapEntry; 3] = [
+const CONSTANT_ENTRIES: [vk::SpecializationMapEntry; 4] = [
     vk::SpecializationMapEntry { constant_id: 0, offset: 0, size: 4 },
     vk::SpecializationMapEntry { constant_id: 1, offset: 4, size: 4 },
     vk::SpecializationMapEntry { constant_id: 2, offset: 8, size: 4 },
+    vk::SpecializationMapEntry { constant_id: 3, offset: 12, size: 4 },
 ];
 
 /// What compute and raster pipelines have in common, guarded.
@@ -124,6 +127,7 @@ impl ComputePipeline {
     ) -> Result<Self> {
         let mut parts = Parts::new(gpu, shader.name, vk::ShaderStageFlags::COMPUTE, resources)?;
         let module = Module::new(gpu, shader)?;
+        let constants = Constants { texel_buffers: gpu.info().reads_texels().into(), ..constants };
         let values = bytemuck::bytes_of(&constants);
         let specialization = vk::SpecializationInfo::default().map_entries(&CONSTANT_ENTRIES).data(values);
         let stage = stage(vk::ShaderStageFlags::COMPUTE, &module, &specialization);

@@ -50,10 +50,12 @@ impl DeviceScene {
     ) -> Result<Self> {
         let Encoded { primitives, texcoords, radiators } = primitives::encode(scene, bvh, features);
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
-        let hardware = gpu.backend() == Backend::RayQuery;
         let input = vk::BufferUsageFlags::SHADER_DEVICE_ADDRESS
             | vk::BufferUsageFlags::ACCELERATION_STRUCTURE_BUILD_INPUT_READ_ONLY_KHR;
-        let triangle_usage = if hardware { storage | input } else { storage };
+        let triangle_usage = match gpu.backend() {
+            Backend::Software => TRACED,
+            Backend::RayQuery => storage | input,
+        };
         let triangles = upload(commands, "triangles", triangle_usage, &bvh.triangles)?;
         let hierarchy = match gpu.backend() {
             Backend::Software => Hierarchy::Software(upload_nodes(commands, bvh)?),
@@ -105,12 +107,15 @@ impl DeviceScene {
 
     /// What a shader that traces rays sees.
     pub(super) fn tracing_resources(&self) -> Vec<(u32, Resource<'_>)> {
-        let hierarchy = match &self.hierarchy {
-            Hierarchy::Software(nodes) => Resource::Storage(nodes),
-            Hierarchy::Hardware(structure) => Resource::Scene(structure),
-        };
         let mut resources = self.surface_resources();
-        resources.push((binding::HIERARCHY, hierarchy));
+        resources.extend(match &self.hierarchy {
+            Hierarchy::Software(nodes) => vec![
+                (binding::HIERARCHY, Resource::Storage(nodes)),
+                (binding::NODE_TEXELS, Resource::Texels(nodes)),
+                (binding::TRIANGLE_TEXELS, Resource::Texels(&self.triangles)),
+            ],
+            Hierarchy::Hardware(structure) => vec![(binding::HIERARCHY, Resource::Scene(structure))],
+        });
         resources
     }
 
@@ -175,11 +180,16 @@ impl DeviceScene {
     }
 }
 
+/// What the software back end traces rays in is read one way or the other.
+const TRACED: vk::BufferUsageFlags = vk::BufferUsageFlags::from_raw(
+    vk::BufferUsageFlags::STORAGE_BUFFER.as_raw() | vk::BufferUsageFlags::UNIFORM_TEXEL_BUFFER.as_raw(),
+);
+
 /// With room for any top level.
 fn upload_nodes(commands: &mut Commands, bvh: &Bvh) -> Result<Buffer> {
     let mut nodes = bvh.nodes.clone();
     nodes.resize(bvh.most_nodes(), Node::zeroed());
-    upload(commands, "nodes", vk::BufferUsageFlags::STORAGE_BUFFER, &nodes)
+    upload(commands, "nodes", TRACED, &nodes)
 }
 
 fn upload<T: bytemuck::Pod>(

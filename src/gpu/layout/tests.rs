@@ -85,6 +85,7 @@ enum Kind {
     Storage(String),
     StorageImage(String),
     Sampled,
+    Texels,
     Texture,
     Structure,
 }
@@ -144,6 +145,8 @@ fn host_bindings() -> BTreeMap<u32, BTreeSet<Kind>> {
         (binding::GROUP_ENDS, vec![storage("u32")]),
         (binding::LINKS, vec![storage("Link")]),
         (binding::ACTIVITY, vec![storage("u32")]),
+        (binding::NODE_TEXELS, vec![Kind::Texels]),
+        (binding::TRIANGLE_TEXELS, vec![Kind::Texels]),
     ];
     bindings.into_iter().map(|(binding, kinds)| (binding, kinds.into_iter().collect())).collect()
 }
@@ -219,6 +222,7 @@ fn kind_of(descriptor: &DescriptorType, ty: &Type) -> Kind {
     match (descriptor, ty) {
         (DescriptorType::StorageBuffer(_), block) => storage(&name_of(element(block))),
         (DescriptorType::StorageImage(_), Type::StorageImage(ty)) => image(&format!("{:?}", ty.fmt)),
+        (DescriptorType::UniformTexelBuffer(), _) => Kind::Texels,
         (DescriptorType::SampledImage(), _) => Kind::Sampled,
         (DescriptorType::CombinedImageSampler(), _) => Kind::Texture,
         (DescriptorType::AccelStruct(), _) => Kind::Structure,
@@ -296,6 +300,7 @@ fn specialisation_ids_are_the_constants_places() {
         ("FEATURES".to_owned(), offset_of!(Constants, features) as u32 / 4),
         ("STACK_SIZE".to_owned(), offset_of!(Constants, stack_size) as u32 / 4),
         ("QUERY".to_owned(), offset_of!(Constants, query) as u32 / 4),
+        ("TEXEL_BUFFERS".to_owned(), offset_of!(Constants, texel_buffers) as u32 / 4),
     ]);
     let mut found = BTreeSet::new();
     for (module, variable) in variables() {
