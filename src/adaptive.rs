@@ -24,51 +24,62 @@ impl Field {
 
 /// A field has at least this share of the quanta of the one that has most: what a group has not yet found it may find.
 const FLOOR: f64 = 0.125;
-/// Bisections of the number of quanta: to a thousandth.
-const STEPS: usize = 60;
+/// And no field counts as one of less than this share of the mean variance.
+const LEAST_VARIANCE: f64 = 0.01;
+/// Steps of a factor 4 up to enough quanta, and halvings of the last one: to a thousandth.
+const STEPS: usize = 32;
+const HALVINGS: usize = 12;
+
+/// What decides about a field.
+struct Need {
+    /// Its texels times the variance of a quantum.
+    variance: f64,
+    /// Standard deviation that its quanta are in proportion to.
+    deviation: f64,
+    quanta: f64,
+}
 
 /// `[group][field]`: whether its texels go on, so that the root of the mean squared relative error comes to `target` with
 /// the fewest rays.
 pub(crate) fn allocate(groups: &[[Field; 2]], target: f64) -> Vec<[bool; 2]> {
-    let fields = || groups.iter().flat_map(|[one, other]| [(one, other), (other, one)]);
-    let texels: f64 = fields().map(|(field, _)| f64::from(field.texels)).sum();
-    let most = fields().map(|(field, _)| field.quanta).max().unwrap_or(0);
+    let fields = || groups.iter().flatten();
+    let texels = fields().map(|field| f64::from(field.texels)).sum::<f64>().max(1.0);
+    let mean = fields().map(|field| f64::from(field.texels) * field.variance()).sum::<f64>() / texels;
+    let most = fields().map(|field| field.quanta).max().unwrap_or(0);
     let floor = FLOOR * f64::from(most);
-    let error_at = |scale: f64| {
-        let of_field = |(field, other): (&Field, &Field)| {
-            let quanta = (scale * deviation(field, other)).max(floor).max(f64::from(field.quanta)).max(1.0);
-            f64::from(field.texels) * field.variance() / quanta
-        };
-        fields().map(of_field).sum::<f64>() / texels.max(1.0)
+    let need = |field: &Field, other: &Field| Need {
+        variance: f64::from(field.texels) * field.variance(),
+        deviation: deciding_variance(field, other).max(LEAST_VARIANCE * mean).sqrt(),
+        quanta: f64::from(field.quanta).max(1.0),
+    };
+    let needs: Vec<[Need; 2]> = groups.iter().map(|[one, other]| [need(one, other), need(other, one)]).collect();
+    let allowed = target * target * texels;
+    let is_enough = |scale: f64| {
+        let error = |need: &Need| need.variance / (scale * need.deviation).max(floor).max(need.quanta);
+        needs.iter().flatten().map(error).sum::<f64>() <= allowed
     };
     // Quanta for each unit of standard deviation.
     let (mut least, mut enough) = (0.0, 1.0);
     for _ in 0..STEPS {
-        if error_at(enough) <= target * target {
+        if is_enough(enough) {
             break;
         }
         (least, enough) = (enough, enough * 4.0);
     }
-    for _ in 0..STEPS {
+    for _ in 0..HALVINGS {
         let middle = 0.5 * (least + enough);
-        if error_at(middle) <= target * target { enough = middle } else { least = middle }
+        if is_enough(middle) { enough = middle } else { least = middle }
     }
-    let goes_on = |field: &Field, other: &Field| {
-        field.texels > 0 && f64::from(field.quanta) < (enough * deviation(field, other)).max(floor)
-    };
-    let decided: Vec<_> = groups.iter().map(|[one, other]| [goes_on(one, other), goes_on(other, one)]).collect();
-    if error_at(0.0) <= target * target || decided.iter().any(|fields| fields.contains(&true)) {
-        return decided;
-    }
-    // Neighbours that know of no error leave it to those that do.
-    let is_far = |field: &Field| field.error > f64::from(field.texels) * target * target;
-    groups.iter().map(|fields| [0, 1].map(|field| is_far(&fields[field]))).collect()
+    let enough = if is_enough(0.0) { 0.0 } else { enough };
+    let goes_on =
+        |field: &Field, need: &Need| field.texels > 0 && f64::from(field.quanta) < (enough * need.deviation).max(floor);
+    groups.iter().zip(&needs).map(|(fields, needs)| [0, 1].map(|of| goes_on(&fields[of], &needs[of]))).collect()
 }
 
-/// The standard deviation of a quantum that a field goes by: its neighbour's, or its own where it has none.
-fn deviation(field: &Field, other: &Field) -> f64 {
-    let decides = if other.texels > 0 { other } else { field };
-    decides.variance().max(0.0).sqrt()
+/// The variance that a field goes by: its neighbour's, or its own where that has none to tell.
+fn deciding_variance(field: &Field, other: &Field) -> f64 {
+    let neighbours = other.variance();
+    if neighbours > 0.0 { neighbours } else { field.variance() }
 }
 
 #[cfg(test)]
@@ -114,8 +125,11 @@ mod tests {
 
     #[test]
     fn a_field_goes_by_its_neighbour() {
-        let groups = [[field(0.0, 8), field(9.0, 8)], [field(1.0, 8), field(1.0, 8)]];
-        assert_eq!(allocate(&groups, 0.4), [[true, false], [true, true]]);
+        // The one that has converged goes on for its neighbour, which stops for it.
+        let groups = [[field(0.25, 20), field(9.0, 20)], [field(1.0, 20), field(1.0, 20)]];
+        assert_eq!(allocate(&groups, (0.55_f64 / 4.0).sqrt()), [[true, false], [true, true]]);
+        let unknown = [[field(0.0, 8), field(9.0, 8)], [field(1.0, 8), field(1.0, 8)]];
+        assert_eq!(allocate(&unknown, 0.4)[0], [true, true]);
         let alone = [[field(9.0, 8), Field::default()]];
         assert_eq!(allocate(&alone, 0.4), [[true, false]]);
     }

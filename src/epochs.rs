@@ -46,6 +46,8 @@ pub(crate) struct Epochs {
     before: u32,
     /// Mean radiance of the source after each bounce of the stage, the first entry before any.
     radiance: Vec<f64>,
+    /// Mean radiance of the source without any bounce.
+    emitted: f64,
     /// Most mean radiance before and after the first bounce of all.
     lit: f64,
     /// By how much the change shrank from bounce to bounce in the stage before, whose rays are much like these.
@@ -78,6 +80,7 @@ impl Epochs {
             stage: first,
             before: 0,
             radiance: vec![radiance],
+            emitted: radiance,
             lit: radiance,
             slowest: 0.0,
             missing: f64::INFINITY,
@@ -92,6 +95,10 @@ impl Epochs {
             self.slowest = if changes.len() > 1 { self.ratio(&changes) } else { 0.0 };
             self.stage = Stage::Last;
             self.begin_stage();
+            if self.restarts() {
+                self.before = 0;
+                self.radiance = vec![self.emitted];
+            }
         }
         if self.needs_bounce() {
             return Epoch::Bounce(self.stage);
@@ -107,7 +114,13 @@ impl Epochs {
         self.bounces == Bounces::Auto && self.max_albedo > 0.0
     }
 
-    /// The last of a limited number of bounces is the next stage's.
+    /// Whether the last stage begins without any bounce, and not where the pilot has ended: where their number is limited,
+    /// for the pilot's light is for aiming only.
+    pub(crate) fn restarts(&self) -> bool {
+        matches!(self.bounces, Bounces::Limit(_))
+    }
+
+    /// What the last of a limited number of bounces finds is aimed at nowhere.
     fn is_pilot_done(&self) -> bool {
         let (done, limit) = (self.done_in_stage(), self.limit());
         self.bounces_done() + 1 >= limit || done >= 2 && self.missing <= PILOT_TOLERANCE
@@ -206,6 +219,7 @@ impl Epochs {
     /// From here on rays are other ones, and how much light there is and how fast the change shrinks is to be found anew.
     pub(crate) fn start_over(&mut self) {
         self.begin_stage();
+        self.missing = f64::INFINITY;
         self.lit = self.radiance[0];
     }
 
@@ -213,7 +227,6 @@ impl Epochs {
         let last = self.radiance.len() - 1;
         self.before += last as u32;
         self.radiance.drain(..last);
-        self.missing = f64::INFINITY;
     }
 
     /// Bounces in the source map so far, those of kept epochs not counted.
@@ -274,7 +287,7 @@ mod tests {
         let quanta: Vec<_> = (0..5).map(|_| black.next()).collect();
         assert_eq!(quanta, [1, 1, 2, 4, 8].map(|quanta| Epoch::Keep { quanta }));
         for (limit, stages) in
-            [(1, vec![LAST]), (2, vec![PILOT, LAST]), (7, vec![PILOT, PILOT, LAST, LAST, LAST, LAST, LAST])]
+            [(1, vec![LAST]), (2, vec![PILOT, LAST, LAST]), (4, vec![PILOT, PILOT, LAST, LAST, LAST, LAST])]
         {
             let mut limited = Epochs::new(Bounces::Limit(limit), Stage::Pilot, 0.5, 1.0);
             for (bounce, stage) in stages.into_iter().enumerate() {

@@ -21,6 +21,7 @@ on_both_back_ends!(
     continued,
     read_twice,
     watched,
+    watched_adaptive,
     ended_at_once,
 );
 
@@ -164,6 +165,29 @@ fn watched(gpu: &Gpu) {
         ControlFlow::Break(())
     };
     assert_eq!(baker.bake_until(&stop_at(512), &mut { more }).unwrap(), Outcome::Interrupted);
+}
+
+/// What an adaptive bake decides does not depend on who looks on the way.
+fn watched_adaptive(gpu: &Gpu) {
+    let settings =
+        BakeSettings { resolution: Resolution::Texels(64), seed: 3, adaptive: true, ..BakeSettings::default() };
+    let to_error = Stop { error: Some(0.01), ..Stop::default() };
+    let baked = |looks: usize| {
+        let mut baker = Baker::new(gpu, &courtyard(), &settings).unwrap();
+        for _ in 0..looks {
+            let mut slices = 0;
+            let mut pause = |_: &_| {
+                slices += 1;
+                if slices > 3 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            };
+            baker.bake_until(&to_error, &mut pause).unwrap();
+            baker.read_back().unwrap();
+        }
+        baker.bake_until(&to_error, &mut |_| ControlFlow::Continue(())).unwrap();
+        assert!(baker.statistics().samples_per_texel < baker.statistics().most_samples, "no texel has stopped");
+        bits(&baker.read_back().unwrap())
+    };
+    assert!(baked(0) == baked(9), "looking on the way changed the light map");
 }
 
 /// However early a bake is stopped, there is a light map: every texel has had the first few rays.

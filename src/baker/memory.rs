@@ -5,6 +5,7 @@ use super::setup::features_of;
 use crate::error::{Error, ErrorKind, Result};
 use crate::features::Features;
 use crate::gpu::DeviceInfo;
+use crate::gpu::layout::GROUP;
 use crate::pass::{DeviceScene, Links, Maps, Sources};
 use crate::scene::{Atlas, Scene, Sky};
 
@@ -13,6 +14,8 @@ use crate::scene::{Atlas, Scene, Sky};
 pub struct MemoryEstimate {
     /// Name and bytes.
     pub parts: Vec<(&'static str, u64)>,
+    /// What the bake needs of the scene; all else is left out.
+    pub features: Features,
 }
 
 impl MemoryEstimate {
@@ -21,8 +24,9 @@ impl MemoryEstimate {
         self.parts.iter().map(|(_, bytes)| bytes).sum()
     }
 
-    pub(super) fn of(scene: &Scene, size: [u32; 2], features: Features) -> Self {
+    pub(super) fn of(scene: &Scene, size: [u32; 2], mut features: Features) -> Self {
         let texels = u64::from(size[0]) * u64::from(size[1]);
+        features.set(Features::LINKS, features.contains(Features::LINKS) && Links::rays(texels).is_some());
         let mut parts: Vec<_> = Maps::bytes(size, sky_size(scene), features).collect();
         // The g-buffer's depth, the list of texels, the two images of the dilation.
         parts.extend([("gbuffer depth", texels * 4), ("texels", texels * 4), ("nearest texels", texels * 8)]);
@@ -32,8 +36,11 @@ impl MemoryEstimate {
         if features.contains(Features::LINKS) {
             parts.push(("links", Links::most_bytes(texels)));
         }
+        if features.contains(Features::ADAPTIVE) {
+            parts.push(("activity", texels.div_ceil(u64::from(GROUP)) * 4));
+        }
         parts.extend(DeviceScene::bytes(scene, features));
-        Self { parts }
+        Self { parts, features }
     }
 
     /// `OutOfMemory` where the device does not have as much.

@@ -42,7 +42,8 @@ pub struct BakeSettings {
     pub sampling: Sampling,
     /// Where aimed rays go.
     pub aimed_by: AimedBy,
-    /// Whether texels that have converged stop taking rays: in a static bake that ends by its error ([`Stop::error`]).
+    /// Whether texels that have converged stop taking rays, where a static bake has an error to reach ([`Stop::error`]); they
+    /// then have fewer than [`Stop::samples`]. [`Mode::Frames`] has none. Without it all texels have the same. Default: false.
     pub adaptive: bool,
     /// Another seed gives other noise.
     pub seed: u64,

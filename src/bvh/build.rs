@@ -16,14 +16,14 @@ const MAX_REPEATS: usize = 32;
 const MAX_DEPTH: u32 = super::MAX_STACK_SIZE as u32 / 2;
 
 /// Share of the nodes that reinsertion tries to place better: all, as in obvhs's slowest preset but for the pre-split,
-/// which would put a triangle into several leaves. On two game levels of 8 k and 14 k triangles it brings 1 and 6 % more
-/// rays a second than 0.2 and takes 19 and 27 ms for 8 and 13; 2.0 brings 3 to 4 % more and takes 28 and 34 ms.
-const REINSERTION_RATIO: f32 = 1.0;
+/// which would put a triangle into several leaves, and twice. On two game levels of 8 k and 14 k triangles 1.0 brings 1 and
+/// 6 % more rays a second than 0.2 and takes 19 and 27 ms for 8 and 13; 2.0 brings 3 to 4 % more and takes 28 and 34 ms.
+const REINSERTION_RATIO: f32 = 2.0;
 
-/// Boxes above which the share falls, so that as many nodes are tried as of these: reinsertion, not PLOC, is what a large
-/// tree takes. A level subdivided into a million triangles, on two busy cores: all nodes 8.5 to 10 s, a quarter of them 5.2,
-/// a twentieth 0.7 to 2; the expected cost of a ray (surface area heuristic) 15.6, 16.5 and 17.8.
-const REINSERTED: f32 = 250_000.0;
+/// Nodes that are tried at most, for reinsertion, not PLOC, is what a large tree takes. A level subdivided into a million
+/// triangles, where this is a quarter of the nodes: 2.1 s on two idle cores, and 1.6 times that for all of them; the expected
+/// cost of a ray (surface area heuristic) is 16.5, with all of them 15.6.
+const MOST_REINSERTED: f32 = 250_000.0;
 
 /// Cost of a node in triangle tests when leaves are merged, as in obvhs's presets: the fewest nodes. From 0.5 to
 /// 3 the rays a second are the same within the noise of 3 %, at 1.9 times to once the nodes.
@@ -42,7 +42,7 @@ pub(super) fn tree(boxes: &[Aabb], leaf_size: u32) -> Bvh2 {
         SortPrecision::U64,
         2,
     );
-    let ratio = REINSERTION_RATIO * (REINSERTED / boxes.len().max(1) as f32).min(1.0);
+    let ratio = (MOST_REINSERTED / boxes.len().max(1) as f32).min(REINSERTION_RATIO);
     let mut optimizer = ReinsertionOptimizer::default();
     optimizer.run(&mut tree, ratio, None);
     if leaf_size > 1 {

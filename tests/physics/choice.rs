@@ -45,7 +45,7 @@ fn evenly_lit_room(gpu: &Gpu) {
     walls[1].material = lamp;
     let statistics = statistics(gpu, &stage.with(&walls), Sampling::Auto);
     assert_eq!(statistics.sampling.cosine_share, 1.0);
-    // Those of bounce epochs, if any: 8 a texel and epoch; and the first kept quantum.
+    // Half of those of the two stages of bounces, 8 and 16 a texel, and of the first kept quantum, of 512.
     assert!(statistics.sampling.source_rays < statistics.rays / 4);
 }
 

@@ -2,13 +2,21 @@
 
 use crate::device::on_both_back_ends;
 use crate::estimate::{How, bake};
-use crate::stage::{Chart, Stage, room};
+use crate::stage::{Chart, Quad, Stage, room};
 use glam::Vec3;
-use lightoven::baker::{Bounces, LightMap};
+use lightoven::baker::{Bounces, LightMap, Sampling};
 use lightoven::gpu::Gpu;
+use lightoven::scene::{Sidedness, Sky};
 use std::f64::consts::PI;
 
-on_both_back_ends!(half, nine_tenths, all_but_a_hundredth, automatic_bounces, charts_that_end_within_a_texel);
+on_both_back_ends!(
+    open_to_the_sky,
+    half,
+    nine_tenths,
+    all_but_a_hundredth,
+    automatic_bounces,
+    charts_that_end_within_a_texel
+);
 
 /// How the charts lie: whole texels, nothing beside them.
 const WHOLE: f32 = 0.01;
@@ -41,6 +49,25 @@ fn assert_uniform(gpu: &Gpu, what: &str, (map, expected): &(LightMap, f64), tole
 /// Bounces after which a millionth is missing.
 fn enough(albedo: f64) -> Bounces {
     Bounces::Limit((1e-6_f64.ln() / albedo.ln()).ceil() as u32)
+}
+
+/// A box whose ceiling hangs above it, under a sky of radiance 1, with an unmapped square of radiance 1 in it; its walls
+/// shine with what their albedo takes, so that all that anyone sees has radiance 1. Seven bounces are all there are: no later
+/// source map mends what they leave out.
+fn open_to_the_sky(gpu: &Gpu) {
+    let mut stage = Stage::new();
+    stage.desc.sky = Sky::Constant(Vec3::ONE);
+    let (wall, lamp) = (stage.material(0.5, 0.5), stage.material(0.0, 1.0));
+    stage.desc.materials.iter_mut().for_each(|material| material.sidedness = Sidedness::Double);
+    let mut quads = room(Vec3::ZERO, Vec3::ONE, |index| Chart::new(index).inset(WHOLE), wall).to_vec();
+    quads[1].corner += Vec3::Z * 0.5;
+    quads.push(Quad { corner: Vec3::splat(0.4), u: Vec3::X * 0.2, v: Vec3::Y * 0.2, chart: None, material: lamp });
+    let scene = stage.with(&quads);
+    let missing = 0.5_f64.powi(8);
+    for sampling in [Sampling::Cosine, Sampling::Auto] {
+        let (map, _) = bake(gpu, &scene, How::new(64, Bounces::Limit(7)).by(sampling), 0);
+        assert_uniform(gpu, "furnace under a sky", &(map, PI), missing + 1e-5);
+    }
 }
 
 fn half(gpu: &Gpu) {

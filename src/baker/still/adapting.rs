@@ -32,24 +32,20 @@ impl Adapting {
         Ok(Some(adapting))
     }
 
-    /// For another target all take rays again, until more is known.
-    pub(super) fn aim_for(&mut self, core: &mut Core, target: Option<f32>) -> Result<()> {
-        if self.target == target {
-            return Ok(());
-        }
-        self.target = target;
-        self.active.fill([true; 2]);
-        self.upload(core)
+    /// Whether the target is another one: it holds from the next decision on.
+    pub(super) fn aim_for(&mut self, target: Option<f32>) -> bool {
+        std::mem::replace(&mut self.target, target) != target
     }
 
-    /// All that take rays have got so many quanta. Returns how many a texel has, in the mean.
-    pub(super) fn add(&mut self, quanta: u32) -> f64 {
+    /// All that take rays have got so many quanta. Returns how many a texel has in the mean, and at most.
+    pub(super) fn add(&mut self, quanta: u32) -> (f64, u32) {
         for (group, active) in self.quanta.iter_mut().zip(&self.active) {
             (0..2).filter(|field| active[*field]).for_each(|field| group[field] += quanta);
         }
         let fields = || self.texels.iter().flatten().zip(self.quanta.iter().flatten());
         let sum: f64 = fields().map(|(texels, quanta)| f64::from(*texels) * f64::from(*quanta)).sum();
-        sum / fields().map(|(texels, _)| f64::from(*texels)).sum::<f64>().max(1.0)
+        let texels: f64 = fields().map(|(texels, _)| f64::from(*texels)).sum();
+        (sum / texels.max(1.0), self.quanta.iter().flatten().copied().max().unwrap_or(0))
     }
 
     /// Quanta, of all texels together, that a unit of work really gathers.
@@ -64,7 +60,10 @@ impl Adapting {
 
     /// By the errors that are now known.
     pub(super) fn decide(&mut self, core: &mut Core, sums: &ResolveSums) -> Result<()> {
-        let Some(target) = self.target else { return Ok(()) };
+        let Some(target) = self.target else {
+            self.active.fill([true; 2]);
+            return self.upload(core);
+        };
         if self.quanta.iter().flatten().all(|quanta| *quanta < PILOT_QUANTA) {
             return Ok(());
         }

@@ -20,7 +20,6 @@ use std::time::{Duration, Instant};
 pub(super) struct Still {
     passes: Passes,
     aiming: Aiming,
-    adapting: Option<Adapting>,
     bounces: Bounces,
     pace: Pace,
     state: Option<State>,
@@ -30,6 +29,7 @@ pub(super) struct Still {
 
 /// Where a bake stands, between two slices.
 struct State {
+    adapting: Option<Adapting>,
     epochs: Epochs,
     epoch: Epoch,
     sweep: Sweep,
@@ -49,6 +49,8 @@ struct State {
 const RAYS: u32 = 64;
 /// The same for bounce epochs, which only have to carry the mean.
 const BOUNCE_RAYS: u32 = 8;
+/// Texels whose links light goes along at once: some 4 million links, well under a slice.
+const LINKED_AT_ONCE: u32 = 1 << 18;
 /// Random numbers of bounce epochs start here, above those of kept samples.
 const BOUNCE_SAMPLES: u32 = 1 << 31;
 
@@ -57,7 +59,6 @@ impl Still {
         Ok(Self {
             passes: Passes::new(core)?,
             aiming: Aiming::new(core, settings.sampling)?,
-            adapting: Adapting::new(core)?,
             bounces: settings.bounces,
             pace: Pace::new(settings.slice),
             state: None,
@@ -79,13 +80,14 @@ impl Still {
             Some(state) => state,
             None => self.start(core)?,
         };
-        if let Some(adapting) = &mut self.adapting {
-            adapting.aim_for(core, stop.error)?;
+        if state.adapting.as_mut().is_some_and(|adapting| adapting.aim_for(stop.error)) {
+            // At the end of the pass that is under way, for texels have quanta by whole passes.
+            state.next_estimate = state.next_estimate.min(state.kept + 1);
         }
         // After an error the device is in no state to go on.
         let outcome = self.run(core, &mut state, stop, clock, progress)?;
         self.baked += clock.elapsed() - before;
-        self.resolve(core, &mut state)?;
+        self.resolve(core, &state, state.mean_luminance)?;
         core.statistics.bounces_missing = state.epochs.missing() as f32;
         if stretch == Stretch::Whole && matches!(state.epoch, Epoch::Bounce(_)) && core.texels.count > 0 {
             let missing = state.epochs.missing();
@@ -113,6 +115,7 @@ impl Still {
         let first = if self.aiming.may_aim() { Stage::Pilot } else { Stage::Last };
         let epochs = Epochs::new(self.bounces, first, emitted.max_albedo, emitted.mean_radiance);
         let mut state = State {
+            adapting: Adapting::new(core)?,
             epochs,
             epoch: Epoch::Bounce(first),
             sweep: Sweep::new(0, 0..0),
@@ -167,10 +170,12 @@ impl Still {
             }
             state.covered |= state.sweep.finished_pass().is_some();
             if let (Epoch::Keep { .. }, Some(kept)) = (state.epoch, state.sweep.finished_pass()) {
-                self.keep(core, state, kept);
+                Self::keep(core, state, kept);
                 if kept >= state.next_estimate {
-                    let sums = self.resolve(core, state)?;
-                    if let Some(adapting) = &mut self.adapting {
+                    let sums = self.resolve(core, state, state.mean_luminance)?;
+                    // Whoever looks in between changes nothing of what is decided.
+                    state.mean_luminance = sums.mean;
+                    if let Some(adapting) = &mut state.adapting {
                         adapting.decide(core, &sums)?;
                     }
                     state.next_estimate = kept + (kept / 16).max(2);
@@ -193,14 +198,14 @@ impl Still {
     }
 
     /// Every texel that takes rays has got quanta up to this one.
-    fn keep(&mut self, core: &mut Core, state: &mut State, kept: u32) {
+    fn keep(core: &mut Core, state: &mut State, kept: u32) {
         let quanta = kept - std::mem::replace(&mut state.kept, kept);
-        let mean = match &mut self.adapting {
+        let (mean, most) = match &mut state.adapting {
             Some(adapting) => adapting.add(quanta),
-            None => f64::from(kept),
+            None => (f64::from(kept), kept),
         };
         core.statistics.samples_per_texel = mean * f64::from(RAYS);
-        core.statistics.most_samples = f64::from(kept) * f64::from(RAYS);
+        core.statistics.most_samples = f64::from(most) * f64::from(RAYS);
     }
 
     /// Of a quantum.
@@ -226,18 +231,21 @@ impl Still {
         let push = Push { first_sample, link_stride, evidence_quantum: state.evidence_quantum, ..core.push };
         let refreshes = !bounces || state.epochs.rays_are_new();
         let push = self.aiming.push(push, rays, state.epoch, refreshes);
-        // What it would be if all texels took rays: a slice is as many texels as the last took for its time.
-        let nominal = u64::from(unit.texels.end - unit.texels.start) * u64::from(unit.quanta.end - unit.quanta.start);
-        let quanta = self.adapting.as_ref().map_or(nominal, |adapting| adapting.quanta_of(&unit));
+        let quanta = u64::from(unit.texels.end - unit.texels.start) * u64::from(unit.quanta.end - unit.quanta.start);
+        // A unit is sized as if all its texels took rays: it never takes longer than a slice.
+        let quanta = state.adapting.as_ref().map_or(quanta, |adapting| adapting.quanta_of(&unit));
+        if quanta == 0 {
+            return Ok(());
+        }
         core.statistics.sampling.count(rays, [push.source_rays, push.sky_rays], quanta);
-        let rays = u64::from(rays);
+        let rays = quanta * u64::from(rays);
         let pass = &self.passes.bake;
         let took = core.commands.run(|recorder| {
             pass.record(recorder, &push, 0, unit.texels, unit.quanta);
             Ok(())
         })?;
-        self.pace.measured(nominal * rays, took);
-        core.statistics.rays += quanta * rays;
+        self.pace.measured(rays, took);
+        core.statistics.rays += rays;
         Ok(())
     }
 
@@ -261,9 +269,23 @@ impl Still {
         match state.epoch {
             Epoch::Keep { .. } => self.aiming.refresh(core, Occasion::Epoch),
             // Within a stage the bounces follow one operator, which aimed rays are a part of.
-            Epoch::Bounce(_) if state.epoch != before => self.aiming.refresh(core, Occasion::NewSource),
+            Epoch::Bounce(_) if state.epoch != before => {
+                self.aiming.refresh(core, Occasion::NewSource)?;
+                if state.epochs.restarts() { self.forget_bounces(core) } else { Ok(()) }
+            }
             Epoch::Bounce(_) => Ok(()),
         }
+    }
+
+    /// The source map is again what emits and does not reflect.
+    fn forget_bounces(&self, core: &mut Core) -> Result<()> {
+        let maps = &core.maps;
+        core.commands.run(|recorder| {
+            recorder.clear(&[&maps.mean_even, &maps.mean_odd]);
+            Ok(())
+        })?;
+        self.update_source(core)?;
+        Ok(())
     }
 
     /// A bounce whose rays have been traced before.
@@ -271,10 +293,12 @@ impl Still {
         let Some(pass) = self.passes.bounce.as_ref().filter(|_| !state.epochs.rays_are_new()) else { return Ok(()) };
         let (rays, link_stride) = (self.rays(core, state.epoch), core.maps.links.stride());
         let (push, count) = (Push { rays, link_stride, ..core.push }, core.texels.count);
-        core.commands.run(|recorder| {
-            pass.record(recorder, &push, 0..count);
-            Ok(())
-        })?;
+        for first in (0..count).step_by(LINKED_AT_ONCE as usize) {
+            core.commands.run(|recorder| {
+                pass.record(recorder, &push, first..(first + LINKED_AT_ONCE).min(count));
+                Ok(())
+            })?;
+        }
         Ok(())
     }
 
@@ -291,7 +315,7 @@ impl Still {
         state.sweep = Sweep::new(core.texels.count, quanta);
     }
 
-    fn update_source(&mut self, core: &mut Core) -> Result<SourceSums> {
+    fn update_source(&self, core: &mut Core) -> Result<SourceSums> {
         let (pass, push, texels) = (&self.passes.source, &core.push, &core.texels);
         core.commands.run(|recorder| {
             pass.record(recorder, push, 0, 0..texels.count);
@@ -306,22 +330,21 @@ impl Still {
     }
 
     /// The light map as far as it is, and its estimated error.
-    fn resolve(&self, core: &mut Core, state: &mut State) -> Result<ResolveSums> {
+    fn resolve(&self, core: &mut Core, state: &State, mean_luminance: f64) -> Result<ResolveSums> {
         let started = Instant::now();
-        let mut sums = ResolveSums::default();
+        let mut sums = ResolveSums { mean: mean_luminance, ..ResolveSums::default() };
         // The error is relative to the mean, which the first time is not known yet.
-        let times = if state.mean_luminance == 0.0 { 2 } else { 1 };
+        let times = if mean_luminance == 0.0 { 2 } else { 1 };
         for _ in 0..times {
-            let push = Push { mean_luminance: state.mean_luminance as f32, ..core.push };
+            let push = Push { mean_luminance: sums.mean as f32, ..core.push };
             let (pass, texels) = (&self.passes.resolve, &core.texels);
             core.commands.run(|recorder| {
                 pass.record(recorder, &push, 0..texels.count);
                 Ok(())
             })?;
             sums = ResolveSums::read(texels);
-            state.mean_luminance = sums.mean;
-            core.statistics.estimated_error = (state.kept >= 2).then_some(sums.relative_mse.sqrt() as f32);
         }
+        core.statistics.estimated_error = (state.kept >= 2).then_some(sums.relative_mse.sqrt() as f32);
         core.statistics.seconds.resolve += started.elapsed().as_secs_f64();
         Ok(sums)
     }
@@ -333,10 +356,8 @@ impl Still {
             recorder.clear(&[&maps.light_map[0]]);
             Ok(())
         })?;
-        if let Some(mut state) = self.state.take() {
-            let resolved = self.resolve(core, &mut state);
-            self.state = Some(state);
-            resolved?;
+        if let Some(state) = &self.state {
+            self.resolve(core, state, state.mean_luminance)?;
         }
         let started = Instant::now();
         let (dilate, push) = (&self.passes.dilate, &core.push);

@@ -3,11 +3,11 @@
 use crate::Ending;
 use crate::arguments::{Info, SceneArguments};
 use crate::{load, messages};
-use lightoven::baker::{BakeSettings, Bounces, MemoryEstimate, estimate_memory};
+use lightoven::Result;
+use lightoven::baker::{BakeSettings, MemoryEstimate, estimate_memory};
 use lightoven::gpu::DeviceInfo;
 use lightoven::headless::devices;
 use lightoven::scene::{Atlas, LightKind, Scene, Sky};
-use lightoven::{Features, Result};
 use std::fmt::{Display, Write as _};
 
 /// Lists devices, then the scene. What can be said is said before the error of what cannot.
@@ -115,16 +115,14 @@ fn scene_text(scene: &Scene) -> String {
 }
 
 fn bake_text(scene: &Scene, arguments: &SceneArguments) -> Result<String> {
-    let settings =
-        BakeSettings { resolution: arguments.resolution(), bounces: Bounces::Auto, ..BakeSettings::default() };
+    // As `bake` does unless it is told otherwise: to an error.
+    let settings = BakeSettings { resolution: arguments.resolution(), adaptive: true, ..BakeSettings::default() };
     let (atlas, memory) = estimate_memory(scene, &settings)?;
     let mut text = Text::default();
     layout_text(&mut text, &atlas);
     memory_text(&mut text, &memory);
     text.line("left out");
-    // As `bake` samples unless it is told otherwise.
-    let aimed = Features::IMPORTANCE | Features::CLUSTERS | Features::VISIBILITY;
-    let left_out = (Features::required(scene) | aimed).left_out();
+    let left_out = memory.features.left_out();
     left_out.iter().for_each(|what| text.line(format_args!("  {what}")));
     if left_out.is_empty() {
         text.line("  nothing");
