@@ -20,6 +20,24 @@ fn the_same_seed_bakes_the_same_light_map() {
     assert!(first != baked("8"), "the seed makes no difference");
 }
 
+/// By the cosine some texels of the box need far more rays than others.
+#[test]
+fn texels_that_have_converged_stop_where_an_error_is_asked_for() {
+    let baked = |more: &[&str]| {
+        let folder = Folder::new();
+        let report = folder.text("r.json");
+        let common = ["--resolution", "32", "--sampling", "cosine", "--error", "0.1", "--report", &report];
+        let found = bake(&folder, &asset("cornell.gltf"), &[&common[..], more].concat());
+        assert_eq!(found.code, Some(0), "{found:?}");
+        let report = json(&folder.path("r.json"));
+        assert!(number(&report["estimated_error"]) <= 0.1, "{report}");
+        ["samples_per_texel", "most_samples", "rays"].map(|name| number(&report[name]))
+    };
+    let [adaptive, even] = [baked(&[]), baked(&["--no-adaptive"])];
+    assert!(adaptive[0] < adaptive[1] && even[0] == even[1], "{adaptive:?}, {even:?}");
+    assert!(adaptive[2] < even[2], "{adaptive:?}, {even:?}");
+}
+
 #[test]
 fn every_output_is_written_and_the_report_has_its_names() {
     let folder = Folder::new();
@@ -141,7 +159,9 @@ fn info_describes_devices_and_a_scene() {
         "left out",
     ];
     assert_says(&found.stdout, &names);
-    assert!(!found.stdout.contains("the sky: it is black"), "{found:?}");
+    for wrong in ["the sky: it is black", "every bounce traces", "the same rays for every texel"] {
+        assert!(!found.stdout.contains(wrong), "{wrong}: {found:?}");
+    }
     let found = run(["info", "no/such.gltf"]);
     assert_eq!(found.code, Some(1), "{found:?}");
     assert!(found.stderr.contains("no/such.gltf"), "{found:?}");
