@@ -36,17 +36,14 @@ bool is_target(Hit hit, vec2 place, Target target) {
 // One of a texel's pieces, by area: a later one takes the place of those before in proportion to its share of all so far.
 Patch choose_patch(uvec2 texel, float u, out Piece chosen_piece) {
     Shared s = pieces_of(texel, imageLoad(surface_image, ivec2(texel)));
-    chosen_piece = piece_at(s, 0u);
-    Patch chosen = patch_of(texel, chosen_piece);
-    if (s.count == 1u) return chosen;
-    float total = is_present(chosen_piece) ? length(area_of(chosen)) : 0.0;
-    for (uint i = 1u; i < s.count; ++i) {
+    Patch chosen;
+    float total = 0.0;
+    for (uint i = 0u; i < s.count; ++i) {
         Piece piece = piece_at(s, i);
-        if (!is_present(piece)) continue;
         Patch p = patch_of(texel, piece);
-        float area = length(area_of(p));
+        float area = is_present(piece) ? length(area_of(p)) : 0.0;
         total += area;
-        float share = area / total;
+        float share = i == 0u ? 1.0 : area / total;
         if (u < share) {
             chosen = p;
             chosen_piece = piece;
