@@ -13,14 +13,14 @@ const vec3 LUMINANCE = vec3(0.2126, 0.7152, 0.0722);
 
 shared vec4 group[64];
 
-// The luminance's squared standard error, from the difference of the halves, relative as in relMSE.
+// The luminance's squared standard error, from the difference of the halves, relative as in relMSE. In units of the mean,
+// for squares of what is very bright or dark are no numbers.
 float relative_error(vec4 even, vec4 odd, float luminance) {
-    float count = even.w + odd.w;
-    if (even.w == 0.0 || odd.w == 0.0) return 0.0;
-    float difference = dot(even.rgb - odd.rgb, LUMINANCE);
-    float variance = difference * difference * (even.w / count) * (odd.w / count);
-    float scale = luminance * luminance + 0.01 * push.mean_luminance * push.mean_luminance;
-    return scale > 0.0 ? variance / scale : 0.0;
+    float count = even.w + odd.w, mean = push.mean_luminance;
+    if (even.w == 0.0 || odd.w == 0.0 || !(mean > 0.0)) return 0.0;
+    float difference = dot(even.rgb - odd.rgb, LUMINANCE) / mean;
+    float relative = luminance / mean;
+    return difference * difference * (even.w / count) * (odd.w / count) / (relative * relative + 0.01);
 }
 
 void main() {

@@ -45,6 +45,9 @@ pub(crate) fn allocate(groups: &[[Field; 2]], target: f64) -> Vec<[bool; 2]> {
     let fields = || groups.iter().flatten();
     let texels = fields().map(|field| f64::from(field.texels)).sum::<f64>().max(1.0);
     let mean = fields().map(|field| f64::from(field.texels) * field.variance()).sum::<f64>() / texels;
+    if !mean.is_finite() {
+        return vec![[true; 2]; groups.len()];
+    }
     let most = fields().map(|field| field.quanta).max().unwrap_or(0);
     let floor = FLOOR * f64::from(most);
     let need = |field: &Field, other: &Field| Need {
@@ -132,6 +135,14 @@ mod tests {
         assert_eq!(allocate(&unknown, 0.4)[0], [true, true]);
         let alone = [[field(9.0, 8), Field::default()]];
         assert_eq!(allocate(&alone, 0.4), [[true, false]]);
+    }
+
+    #[test]
+    fn what_is_no_number_stops_nobody() {
+        for error in [f64::NAN, f64::INFINITY] {
+            let groups = [[Field { texels: 1, error, quanta: 8 }, field(1.0, 8)]];
+            assert_eq!(allocate(&groups, 0.1), [[true; 2]]);
+        }
     }
 
     proptest! {

@@ -10,6 +10,7 @@ use lightoven::scene::{Scene, Sky, SkyMap};
 use std::f64::consts::PI;
 
 on_both_back_ends!(
+    errors_of_all_magnitudes,
     many_magnitudes,
     one_magnitude,
     sizes_and_magnitudes,
@@ -89,6 +90,24 @@ fn sizes_and_magnitudes(gpu: &Gpu) {
                 estimate.assert_is(&what, gpu, FACTOR, 1e-4, 0.05);
             }
         }
+    }
+}
+
+/// What noise there is does not depend on the unit of light. (In powers of 2 only exponents differ.)
+fn errors_of_all_magnitudes(gpu: &Gpu) {
+    let error = |radiance: f32| {
+        let mut stage = Stage::new();
+        let [black, lamp] = [0.0, radiance].map(|emission| stage.material(0.0, emission));
+        let scene = stage.with(&point_and_lamp([0, 1].map(|chart| Chart::new(chart).inset(0.01)), black, lamp));
+        let statistics = bake(gpu, &scene, How::new(512, Bounces::Limit(0)).by(Sampling::Cosine), 0).1;
+        f64::from(statistics.estimated_error.unwrap())
+    };
+    let one = error(1.0);
+    assert!(one > 0.01, "{one} tells too little");
+    for exponent in [-90, -60, 60, 90] {
+        let other = error(2_f32.powi(exponent));
+        println!("2^{exponent}, {}: {other:e}, of radiance 1 {one:e}", gpu.backend().name());
+        assert!((other / one - 1.0).abs() < 1e-5);
     }
 }
 

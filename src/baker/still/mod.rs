@@ -90,7 +90,8 @@ impl Still {
         self.resolve(core, &state, state.mean_luminance)?;
         core.statistics.bounces_missing = state.epochs.missing() as f32;
         if stretch == Stretch::Whole && matches!(state.epoch, Epoch::Bounce(_)) && core.texels.count > 0 {
-            let missing = state.epochs.missing();
+            // Of all the light that there will be, not of what is there.
+            let missing = state.epochs.missing() / (1.0 + state.epochs.missing());
             let share =
                 if missing.is_finite() { format!("{:.2} %", 100.0 * missing) } else { "an unknown part".into() };
             core.statistics.warn(format!("the bounces have not converged: {share} of the light is missing"));
