@@ -6,7 +6,7 @@
 #include "include/irradiance.glsl"
 
 layout(set = 0, binding = 21, rgba32f) writeonly uniform image2D light_map;
-// A work group's sums: luminance, squared relative standard error of the luminance over each field of a chequerboard, texels.
+// A work group's sums: luminance, squared relative standard error of the luminance over each field, texels.
 layout(set = 0, binding = 20, std430) writeonly buffer Sums { vec4 sums[]; };
 
 const vec3 LUMINANCE = vec3(0.2126, 0.7152, 0.0722);
@@ -35,7 +35,7 @@ void main() {
         float lit = DYNAMIC || even.w + odd.w > 0.0 ? 1.0 : 0.0;
         imageStore(light_map, ivec2(texel), vec4(irradiance, lit));
         float error = relative_error(even, odd, luminance);
-        mine = field_of(texel) == 0u ? vec4(luminance, error, 0.0, 1.0) : vec4(luminance, 0.0, error, 1.0);
+        mine = field_of_invocation() == 0u ? vec4(luminance, error, 0.0, 1.0) : vec4(luminance, 0.0, error, 1.0);
     }
     uint lane = gl_LocalInvocationID.x;
     group[lane] = mine;

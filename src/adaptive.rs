@@ -2,7 +2,7 @@
 //! them go on comes out.
 //!
 //! The error is a mean over texels. To halve it, rays are best spent in proportion to the root of a texel's variance
-//! (Neyman's allocation); so those stop first that have converged. Of a group of texels the two fields of a chequerboard
+//! (Neyman's allocation); so those stop first that have converged. Of a group of texels the two fields, whose rows take turns,
 //! decide for each other: a texel that stopped because its own samples happened to be alike would be biased.
 
 /// One field of a group of texels.

@@ -21,9 +21,10 @@ uint index_of_invocation() {
     return work_group() * gl_WorkGroupSize.x + gl_LocalInvocationID.x;
 }
 
-// The fields of a chequerboard.
-uint field_of(uvec2 texel) {
-    return (texel.x + texel.y) & 1u;
+// Which of the two fields of its work group a texel is in: rows of eight take turns, so that lanes that share their
+// instructions are in one.
+uint field_of_invocation() {
+    return gl_LocalInvocationID.x >> 3u & 1u;
 }
 
 // Whether this invocation has a texel, and which.

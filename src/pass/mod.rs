@@ -75,7 +75,7 @@ pub(crate) struct TexelList {
     pub(crate) count: u32,
     /// How many are given up: they emit all the same.
     pub(crate) given_up: u32,
-    /// `[group]`: how many texels of it each field of a chequerboard has.
+    /// `[group]`: how many texels each of its two fields has.
     pub(crate) fields: Vec<[u32; 2]>,
     /// One `vec4` a work group, for the host to read.
     pub(crate) sums: Buffer,
@@ -118,12 +118,11 @@ impl TexelList {
     }
 }
 
-/// Texels of each field of a chequerboard, as `glsl/include/texels.glsl` has them.
+/// Texels of each field of a work group, as `glsl/include/texels.glsl` has them: rows of eight take turns.
 fn count_fields(texels: &[u32]) -> [u32; 2] {
-    texels.iter().fold([0; 2], |mut count, texel| {
-        count[((texel & 0xffff) + (texel >> 16)) as usize % 2] += 1;
-        count
-    })
+    let mut count = [0; 2];
+    texels.chunks(8).enumerate().for_each(|(row, texels)| count[row % 2] += texels.len() as u32);
+    count
 }
 
 fn list([width, height]: [u32; 2], wanted: impl Fn(usize) -> bool) -> Vec<u32> {

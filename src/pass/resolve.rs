@@ -19,7 +19,7 @@ pub(crate) struct ResolveSums {
     pub(crate) mean: f64,
     /// Mean squared relative standard error: an estimate of relMSE.
     pub(crate) relative_mse: f64,
-    /// `[group][field]`: the same as a sum over the texels of a chequerboard's fields.
+    /// `[group][field]`: the same as a sum over the texels of each field.
     pub(crate) fields: Vec<[f64; 2]>,
 }
 
