@@ -62,6 +62,8 @@ pub(crate) struct Epochs {
 const TOLERANCE: f64 = 1e-4;
 /// The same for the pilot, whose noise is more than that.
 const PILOT_TOLERANCE: f64 = 0.02;
+/// Bounces of a pilot at most: other rays in each of them are no series that converges.
+const MOST_PILOT_BOUNCES: u32 = 16;
 /// Epochs over which the shrinking of the change is measured.
 const WINDOW: usize = 16;
 /// Kept quanta of one epoch are not doubled beyond this, so that the first sample of a quantum stays below 2^31.
@@ -123,7 +125,7 @@ impl Epochs {
     /// What the last of a limited number of bounces finds is aimed at nowhere.
     fn is_pilot_done(&self) -> bool {
         let (done, limit) = (self.done_in_stage(), self.limit());
-        self.bounces_done() + 1 >= limit || done >= 2 && self.missing <= PILOT_TOLERANCE
+        self.bounces_done() + 1 >= limit || done >= MOST_PILOT_BOUNCES || done >= 2 && self.missing <= PILOT_TOLERANCE
     }
 
     fn limit(&self) -> u32 {

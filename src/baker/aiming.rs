@@ -15,6 +15,7 @@ pub(super) struct Aiming {
     pass: Option<Aim>,
     chooser: Chooser,
     sky_made: bool,
+    aims_all: bool,
     /// Aimed rays made light grow from bounce to bounce.
     bounces_by_cosine: bool,
     /// About that of the irradiance: what shines, spread evenly.
@@ -42,7 +43,19 @@ impl Aiming {
                 Ok(())
             })?;
         }
-        Ok(Self { pass, chooser, sky_made: false, bounces_by_cosine: false, mean_luminance: 0.0 })
+        Ok(Self {
+            pass,
+            chooser,
+            sky_made: false,
+            aims_all: sampling == Sampling::Importance,
+            bounces_by_cosine: false,
+            mean_luminance: 0.0,
+        })
+    }
+
+    /// Whether no ray goes by the cosine: what nothing has been aimed at yet is then not found either.
+    pub(super) fn aims_all(&self) -> bool {
+        self.aims_all
     }
 
     /// Whether rays may be aimed.

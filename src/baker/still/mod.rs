@@ -230,7 +230,7 @@ impl Still {
         };
         let link_stride = if bounces && self.passes.bounce.is_some() { core.maps.links.stride() } else { 0 };
         let push = Push { first_sample, link_stride, evidence_quantum: state.evidence_quantum, ..core.push };
-        let refreshes = !bounces || state.epochs.rays_are_new();
+        let refreshes = !bounces || self.traces(state);
         let push = self.aiming.push(push, rays, state.epoch, refreshes);
         let quanta = u64::from(unit.texels.end - unit.texels.start) * u64::from(unit.quanta.end - unit.quanta.start);
         // A unit is sized as if all its texels took rays: it never takes longer than a slice.
@@ -269,6 +269,7 @@ impl Still {
         self.begin_epoch(core, state);
         match state.epoch {
             Epoch::Keep { .. } => self.aiming.refresh(core, Occasion::Epoch),
+            Epoch::Bounce(Stage::Pilot) if self.aiming.aims_all() => self.aiming.refresh(core, Occasion::NewSource),
             // Within a stage the bounces follow one operator, which aimed rays are a part of.
             Epoch::Bounce(_) if state.epoch != before => {
                 self.aiming.refresh(core, Occasion::NewSource)?;
@@ -289,9 +290,15 @@ impl Still {
         Ok(())
     }
 
+    /// Whether a bounce's rays are other ones than the last bounce's: the first of a stage, and those of a pilot whose rays
+    /// are all aimed, each at what the one before has lit.
+    fn traces(&self, state: &State) -> bool {
+        state.epochs.rays_are_new() || state.epoch == Epoch::Bounce(Stage::Pilot) && self.aiming.aims_all()
+    }
+
     /// A bounce whose rays have been traced before.
     fn go_along_links(&self, core: &mut Core, state: &State) -> Result<()> {
-        let Some(pass) = self.passes.bounce.as_ref().filter(|_| !state.epochs.rays_are_new()) else { return Ok(()) };
+        let Some(pass) = self.passes.bounce.as_ref().filter(|_| !self.traces(state)) else { return Ok(()) };
         let (rays, link_stride) = (self.rays(core, state.epoch), core.maps.links.stride());
         let (push, count) = (Push { rays, link_stride, ..core.push }, core.texels.count);
         for first in (0..count).step_by(LINKED_AT_ONCE as usize) {
@@ -306,7 +313,7 @@ impl Still {
     fn begin_epoch(&self, core: &Core, state: &mut State) {
         state.epoch = state.epochs.next();
         let quanta = match state.epoch {
-            Epoch::Bounce(_) if self.passes.bounce.is_some() && !state.epochs.rays_are_new() => 0..0,
+            Epoch::Bounce(_) if self.passes.bounce.is_some() && !self.traces(state) => 0..0,
             Epoch::Bounce(_) => 0..1,
             Epoch::Keep { quanta } => state.kept..state.kept + quanta,
         };
