@@ -44,6 +44,7 @@ fn figures_are_printed_and_reported() {
     assert_named(&report, &["scene", "device", "driver"]);
     assert_eq!((&report["rays"], &report["rounds"]), (&100_000.into(), &3.into()));
     assert!(report["cpu"]["threads"].as_u64().is_some_and(|threads| threads > 0), "{report}");
+    assert_eq!(report["order"], "bake");
     assert_speeds(&report, "closest");
     assert_speeds(&report, "occluded");
     for ratio in ["software_to_cpu", "software_to_ray_query"] {
@@ -66,14 +67,15 @@ fn figures_are_printed_and_reported() {
 }
 
 #[test]
-fn one_back_end_may_be_asked_for() {
+fn one_back_end_and_a_random_order_may_be_asked_for() {
     let folder = Folder::new();
-    let more = ["--backend", "software", "--rounds", "1", "--report", &folder.text("r.json")];
+    let more = ["--backend", "software", "--order", "random", "--rounds", "1", "--report", &folder.text("r.json")];
     let found = run(["bench", &asset("courtyard.gltf"), "--resolution", "32", "--rays", "20000"].iter().chain(&more));
     assert_eq!(found.code, Some(0), "{found:?}");
     let report = json(&folder.path("r.json"));
     assert!(report["closest"]["ray_query"].is_null() && report["software_to_ray_query"].is_null(), "{report}");
-    assert_eq!(report["gather"]["backend"], "software");
+    assert_eq!((&report["gather"]["backend"], &report["order"]), (&"software".into(), &"random".into()));
+    assert_says(&found.stdout, &["random order"]);
     assert!(number(&report["instances"]) > 1.0 && number(&report["agreement"]["differing"]["cpu"]) <= 1e-4, "{report}");
 }
 
@@ -88,6 +90,7 @@ fn bad_usage_is_named_with_what_is_allowed() {
         ("--rounds", "-2", "'-2'", "1 to 1000"),
         ("--resolution", "0", "'0'", "1 to 16384"),
         ("--backend", "magic", "'magic'", "ray-query"),
+        ("--order", "sorted", "'sorted'", "random"),
         ("--growth", "leaves", "'leaves'", "texels"),
         ("--most-triangles", "5000", "--growth", "required"),
         ("--most-texels", "256", "--growth", "required"),

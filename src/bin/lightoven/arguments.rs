@@ -9,6 +9,7 @@ use lightoven::headless::{HeadlessSettings, Validation};
 use lightoven::io::gltf::SidednessChoice;
 use lightoven::scene::Resolution;
 use lightoven::{Error, ErrorKind, Result};
+use serde::Serialize;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -241,6 +242,9 @@ pub(crate) struct Bench {
     /// Rounds
     #[arg(long, value_name = "N", default_value_t = 9, value_parser = values::rounds, allow_negative_numbers = true)]
     pub(crate) rounds: u32,
+    /// Order of the rays
+    #[arg(long, value_enum, value_name = "bake|random", default_value_t = OrderArgument::Bake, conflicts_with = "growth")]
+    pub(crate) order: OrderArgument,
     /// Measure instead how cost grows, by the back end that a bake takes: time and memory of sizes each four times the last
     #[arg(long, value_enum, value_name = "triangles|texels|both")]
     pub(crate) growth: Option<GrowthArgument>,
@@ -262,6 +266,16 @@ pub(crate) struct Bench {
 pub(crate) enum SkyArgument {
     Constant(Vec3),
     File(PathBuf),
+}
+
+/// In which order rays are traced.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum OrderArgument {
+    /// That of a bake's work: neighbouring rays start close together and go about the same way
+    Bake,
+    /// None: neighbouring rays have nothing in common
+    Random,
 }
 
 /// With what cost grows.

@@ -5,7 +5,7 @@ mod figures;
 pub(crate) mod growth;
 mod report;
 
-use crate::arguments::Bench;
+use crate::arguments::{Bench, OrderArgument};
 use crate::progress::{Bar, Visibility};
 use crate::report::write_json;
 use crate::{Ending, device, interrupt, load, messages, paths};
@@ -99,7 +99,10 @@ fn measure(arguments: &Bench, scene: &Scene, devices: &[Headless], bar: &Bar) ->
     let seconds = Seconds { bvh: started.elapsed().as_secs_f64(), total: 0.0 };
     let gpu = devices[0].gpu();
     let mut bench = GatherBench::new(gpu, scene, &bvh, resolution)?;
-    let sent = bench.rays(arguments.rays as usize)?;
+    let mut sent = bench.rays(arguments.rays as usize)?;
+    if arguments.order == OrderArgument::Random {
+        shuffle(&mut sent);
+    }
     let mut contest = Contest::new(scene, &bvh, devices, &sent)?;
 
     bar.say("warming up");
@@ -129,6 +132,7 @@ fn measure(arguments: &Bench, scene: &Scene, devices: &[Headless], bar: &Bar) ->
         scene: scene.name().to_owned(),
         triangles: scene.triangle_count(),
         instances: scene.instances().len(),
+        order: arguments.order,
         device: gpu.info().name.clone(),
         driver: gpu.info().driver.clone(),
         cpu: CpuReport {
@@ -138,6 +142,13 @@ fn measure(arguments: &Bench, scene: &Scene, devices: &[Headless], bar: &Bar) ->
         },
     };
     Ok(Some(Report::new(subject, rays, arguments.rounds, spread, agreement, gather.timed(&gathered), seconds)))
+}
+
+/// The same order in every run.
+fn shuffle(sent: &mut SentRays) {
+    let mut pairs: Vec<_> = sent.rays.drain(..).zip(sent.skip.drain(..)).collect();
+    fastrand::Rng::with_seed(0).shuffle(&mut pairs);
+    (sent.rays, sent.skip) = pairs.into_iter().unzip();
 }
 
 impl<'a> Contest<'a> {

@@ -1,6 +1,7 @@
 //! What is said when all rounds are done: as JSON with stable names, and as a table for people.
 
 use super::figures::{Agreement, Each, Speeds, Spread};
+use crate::arguments::OrderArgument;
 use serde::Serialize;
 use std::fmt::Write as _;
 
@@ -16,6 +17,7 @@ pub(crate) struct Report {
     /// Of a round, for each query.
     pub(crate) rays: usize,
     pub(crate) rounds: u32,
+    pub(crate) order: OrderArgument,
     /// Medians, million rays a second; `null` where there is no such back end, or it was not asked for.
     closest: Each<Option<f64>>,
     occluded: Each<Option<f64>>,
@@ -71,6 +73,7 @@ pub(crate) struct Subject {
     pub(crate) scene: String,
     pub(crate) triangles: usize,
     pub(crate) instances: usize,
+    pub(crate) order: OrderArgument,
     pub(crate) device: String,
     pub(crate) driver: String,
     pub(crate) cpu: CpuReport,
@@ -96,7 +99,7 @@ impl Report {
         gather: Gather,
         seconds: Seconds,
     ) -> Self {
-        let Subject { scene, triangles, instances, device, driver, cpu } = subject;
+        let Subject { scene, triangles, instances, order, device, driver, cpu } = subject;
         let median = |spread: Option<Spread>| spread.map(|spread| spread.median);
         Self {
             scene,
@@ -107,6 +110,7 @@ impl Report {
             cpu,
             rays,
             rounds,
+            order,
             closest: spread.closest.medians(),
             occluded: spread.occluded.medians(),
             software_to_cpu: median(spread.closest.software_to_cpu),
@@ -126,7 +130,11 @@ impl Report {
         let _ = writeln!(text, "scene    {}, {} triangles in {} instances", self.scene, self.triangles, self.instances);
         let _ = writeln!(text, "device   {}, {}", self.device, self.driver);
         let _ = writeln!(text, "obvhs    {hierarchy}, {threads} threads, compiled for {}", target_features.join(" "));
-        let _ = writeln!(text, "rays     {} from the light map's texels, {} rounds", self.rays, self.rounds);
+        let order = match self.order {
+            OrderArgument::Bake => "the order of a bake",
+            OrderArgument::Random => "random order",
+        };
+        let _ = writeln!(text, "rays     {} from the light map's texels in {order}, {} rounds", self.rays, self.rounds);
         let _ = writeln!(text, "{:<24}    median     least      most", "Mrays/s");
         for (query, speeds) in [("closest hit", &self.spread.closest), ("any hit", &self.spread.occluded)] {
             let Each { software, ray_query, cpu } = speeds.mrays_per_s;
