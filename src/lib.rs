@@ -45,6 +45,7 @@ pub mod scene;
 mod schedule;
 mod temporal;
 mod tracer;
+pub mod verify;
 
 /// Compiles the examples of the README.
 #[cfg(doctest)]

@@ -1,6 +1,7 @@
 //! Which way rays are sent: by the cosine at the texel, toward where the light map is bright, or both. Pure.
 
 use crate::error::{Error, Result};
+use std::fmt;
 
 /// Which way rays are sent.
 ///
@@ -24,6 +25,18 @@ pub enum Sampling {
         /// Share of rays sent by the cosine.
         cosine: f32,
     },
+}
+
+/// As the command line has it.
+impl fmt::Display for Sampling {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Auto => f.write_str("auto"),
+            Self::Cosine => f.write_str("cosine"),
+            Self::Importance => f.write_str("importance"),
+            Self::Mixture { cosine } => write!(f, "mixture={cosine}"),
+        }
+    }
 }
 
 /// By what aimed rays choose where on the light map they go. Whichever it is, the light map is the same but for its noise.

@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Modules of the library, lowest first. Those of one row do not import each other.
-const LAYERS: [&[&str]; 8] = [
+const LAYERS: [&[&str]; 9] = [
     &["error"],
     &["scene"],
     &["bvh"],
@@ -15,6 +15,7 @@ const LAYERS: [&[&str]; 8] = [
     &["pass"],
     &["baker", "tracer"],
     &["io", "headless"],
+    &["verify"],
 ];
 /// Modules that know no Vulkan.
 const PURE: [&str; 9] =
