@@ -23,6 +23,7 @@ pub use checks::{Checks, Comparison, Row};
 
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
+use std::fmt;
 use std::time::{Duration, Instant};
 
 /// Something that must be so on every device.
@@ -44,6 +45,16 @@ pub enum Subject {
     Extreme(u32),
     /// How the baker goes about it.
     Conduct,
+}
+
+impl fmt::Display for Subject {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::ClosedForm(number) => write!(f, "closed form {number}"),
+            Self::Extreme(number) => write!(f, "extreme {number}"),
+            Self::Conduct => f.write_str("conduct"),
+        }
+    }
 }
 
 /// What came of a case.

@@ -35,6 +35,8 @@ pub(crate) enum Command {
     Converge(Converge),
     /// Measure rays a second of each back end and of obvhs on the CPU
     Bench(Bench),
+    /// Verify that a device computes right
+    Verify(Verify),
 }
 
 /// Bake a glTF scene to an EXR light map
@@ -254,6 +256,22 @@ pub(crate) struct Bench {
     /// With --growth: longest side of a light map in texels, from 128 on
     #[arg(long, value_name = "SIDE", default_value_t = 4096, value_parser = values::most_texels, allow_negative_numbers = true, requires = "growth")]
     pub(crate) most_texels: u32,
+    #[command(flatten)]
+    pub(crate) device: DeviceArguments,
+    /// Write the figures as JSON too
+    #[arg(long, value_name = "R.json")]
+    pub(crate) report: Option<PathBuf>,
+}
+
+/// Verify that a device computes right
+///
+/// Bakes small scenes whose light is known in closed form, and stiff and extreme ones, and compares. Ends with 1 where
+/// anything is not as it must be.
+#[derive(Debug, Args)]
+pub(crate) struct Verify {
+    /// Only cases whose subject and name hold this, as in "closed form 4" or "sphere"; may be given more than once
+    #[arg(long, value_name = "NAME")]
+    pub(crate) only: Vec<String>,
     #[command(flatten)]
     pub(crate) device: DeviceArguments,
     /// Write the figures as JSON too

@@ -1,5 +1,5 @@
 //! The command line tool: bakes a glTF scene to an EXR light map, says what it would do, compares light maps, and measures
-//! the noise of ways of sampling, how the error falls as a bake goes on, and the speed of rays.
+//! the noise of ways of sampling, how the error falls as a bake goes on, and the speed of rays, and verifies devices.
 //!
 //! Exit codes: 0 done, 1 failed, 2 bad usage, 130 interrupted.
 
@@ -20,6 +20,7 @@ mod progress;
 mod report;
 mod values;
 mod variance;
+mod verify;
 
 use arguments::{Arguments, Command};
 use clap::Parser;
@@ -48,6 +49,7 @@ fn main() -> ExitCode {
         Command::Variance(variance) => variance::run(variance),
         Command::Converge(converge) => converge::run(converge),
         Command::Bench(bench) => bench::run(bench, start),
+        Command::Verify(verify) => verify::run(verify, start),
     };
     match result {
         Ok(Ending::Done) => ExitCode::SUCCESS,

@@ -66,7 +66,7 @@ fn write_line(bytes: &[u8]) {
 }
 
 /// The error's text and that of every cause that it does not already include.
-fn causes(error: &Error) -> String {
+pub(crate) fn causes(error: &Error) -> String {
     let mut text = error.to_string();
     let mut cause = std::error::Error::source(error);
     while let Some(error) = cause {

@@ -1,0 +1,69 @@
+//! `lightoven verify`: whether a device computes right.
+
+mod report;
+
+use crate::arguments::Verify;
+use crate::progress::{Bar, Visibility};
+use crate::report::write_json;
+use crate::{Ending, device, interrupt, messages, paths};
+use lightoven::verify::{self, Case};
+use lightoven::{Error, ErrorKind, Result};
+use report::{CaseReport, Report};
+use std::time::Instant;
+
+/// Runs the cases in turn, and says of each what it found.
+pub(crate) fn run(arguments: &Verify, start: Instant) -> Result<Ending> {
+    let cases = selected(&arguments.only)?;
+    paths::check(&[], &[("--report", arguments.report.as_ref())])?;
+    interrupt::install_saying("interrupted: stopping after this case")?;
+    let bar = Bar::new(Visibility::Shown);
+    let mut headless = device::open(&arguments.device)?;
+    let mut report = Report::new(headless.gpu());
+    messages::stdout(&report.head())?;
+    for case in &cases {
+        if interrupt::requested() {
+            break;
+        }
+        bar.say(case.name);
+        let verdict = case.run(headless.gpu());
+        let found = CaseReport::new(case, &verdict, &headless.validation_messages());
+        messages::stdout(&found.text())?;
+        if verdict.error.is_some() || !found.validation.is_empty() {
+            // What a lost device, or one that broke a rule, says of the next case is not that case's.
+            headless = device::open(&arguments.device)?;
+        }
+        report.cases.push(found);
+    }
+    drop(bar);
+    report.seconds = start.elapsed().as_secs_f64();
+    messages::stdout(&report.tail())?;
+    if report.cases.len() < cases.len() {
+        messages::line("interrupted before all cases were done: nothing is written");
+        return Ok(Ending::Interrupted);
+    }
+    if let Some(path) = &arguments.report {
+        write_json(path, &report)?;
+    }
+    match report.failed() {
+        0 => Ok(Ending::Done),
+        failed => Err(Error::new(ErrorKind::Driver, format!("{failed} of {} cases failed", cases.len()))),
+    }
+}
+
+/// Cases whose subject and name, as in "closed form 4 parallel unit squares", hold one of these; all for none.
+fn selected(only: &[String]) -> Result<Vec<&'static Case>> {
+    let title = |case: &Case| format!("{} {}", case.subject, case.name).to_lowercase();
+    let is_meant = |case: &&Case| only.is_empty() || only.iter().any(|name| title(case).contains(&name.to_lowercase()));
+    for name in only {
+        if !verify::cases().any(|case| title(case).contains(&name.to_lowercase())) {
+            return Err(Error::new(
+                ErrorKind::InvalidSettings,
+                format!(
+                    "--only '{name}': no case has this in its name; allowed is a part of: {}",
+                    verify::cases().map(title).collect::<Vec<_>>().join(", ")
+                ),
+            ));
+        }
+    }
+    Ok(verify::cases().filter(is_meant).collect())
+}
