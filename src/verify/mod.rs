@@ -18,6 +18,7 @@ mod checks;
 mod estimate;
 #[doc(hidden)]
 pub mod stage;
+pub mod study;
 
 pub use checks::{Checks, Comparison, Row};
 

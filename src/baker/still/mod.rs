@@ -255,7 +255,11 @@ impl Still {
         if let Epoch::Bounce(_) = state.epoch {
             let beyond = self.go_along_links(core, state)?;
             let radiance = self.update_source(core)?.mean_radiance;
-            if beyond > 0.0 { state.epochs.extrapolated(radiance)? } else { state.epochs.bounced(radiance)? }
+            if beyond > 0.0 {
+                state.epochs.extrapolated(radiance)?
+            } else {
+                state.epochs.bounced(radiance)?
+            }
             // Beside a surface the weights of a texel's few aimed rays may add up to more than the surface gives back; those
             // of rays by the cosine never do.
             if state.epochs.grows() && self.aiming.leave_bounces_to_cosine() {

@@ -18,6 +18,7 @@ mod noise;
 mod paths;
 mod progress;
 mod report;
+mod study;
 mod values;
 mod variance;
 mod verify;
@@ -50,6 +51,7 @@ fn main() -> ExitCode {
         Command::Converge(converge) => converge::run(converge),
         Command::Bench(bench) => bench::run(bench, start),
         Command::Verify(verify) => verify::run(verify, start),
+        Command::Study(study) => study::run(study),
     };
     match result {
         Ok(Ending::Done) => ExitCode::SUCCESS,

@@ -1,5 +1,9 @@
 //! What can be asked for.
 
+mod proofs;
+
+pub(crate) use proofs::{Study, StudyArgument, Verify};
+
 use crate::values::{self, Way};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use glam::Vec3;
@@ -37,6 +41,8 @@ pub(crate) enum Command {
     Bench(Bench),
     /// Verify that a device computes right
     Verify(Verify),
+    /// Study how answers depend on what is stiff or extreme
+    Study(Study),
 }
 
 /// Bake a glTF scene to an EXR light map
@@ -256,22 +262,6 @@ pub(crate) struct Bench {
     /// With --growth: longest side of a light map in texels, from 128 on
     #[arg(long, value_name = "SIDE", default_value_t = 4096, value_parser = values::most_texels, allow_negative_numbers = true, requires = "growth")]
     pub(crate) most_texels: u32,
-    #[command(flatten)]
-    pub(crate) device: DeviceArguments,
-    /// Write the figures as JSON too
-    #[arg(long, value_name = "R.json")]
-    pub(crate) report: Option<PathBuf>,
-}
-
-/// Verify that a device computes right
-///
-/// Bakes small scenes whose light is known in closed form, and stiff and extreme ones, and compares. Ends with 1 where
-/// anything is not as it must be.
-#[derive(Debug, Args)]
-pub(crate) struct Verify {
-    /// Only cases whose subject and name hold this, as in "closed form 4" or "sphere"; may be given more than once
-    #[arg(long, value_name = "NAME")]
-    pub(crate) only: Vec<String>,
     #[command(flatten)]
     pub(crate) device: DeviceArguments,
     /// Write the figures as JSON too
