@@ -9,3 +9,4 @@ mod growth;
 mod support;
 mod usage;
 mod variance;
+mod verify;

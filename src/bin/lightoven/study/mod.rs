@@ -7,13 +7,17 @@ use crate::arguments::{Study, StudyArgument};
 use crate::progress::{Bar, Visibility};
 use crate::report::write_json;
 use crate::{Ending, device, interrupt, messages, paths};
-use lightoven::Result;
+use lightoven::{Error, ErrorKind, Result};
 use lightoven::gpu::Gpu;
 use lightoven::verify::study;
 use report::{Precision, Report, Stiffness};
 
 /// Makes the study, and says what came out.
 pub(crate) fn run(arguments: &Study) -> Result<Ending> {
+    if arguments.plot.is_some() && arguments.study != StudyArgument::Stiffness {
+        let context = "--plot: there is a plot of the study 'stiffness' only";
+        return Err(Error::new(ErrorKind::InvalidSettings, context));
+    }
     paths::check(&[], &[("--report", arguments.report.as_ref()), ("--plot", arguments.plot.as_ref())])?;
     interrupt::install_saying("interrupted: stopping")?;
     let bar = Bar::new(Visibility::Shown);
