@@ -10,13 +10,15 @@ mod means;
 mod radiosity;
 mod shapes;
 mod sky;
+mod spheres;
 mod surfaces;
 
 use super::{Case, Checks};
 
 /// In the order of the table.
-pub(super) const GROUPS: [&[Case]; 11] = [
+pub(super) const GROUPS: [&[Case]; 12] = [
     &furnace::CASES,
+    &spheres::CASES,
     &form_factors::CASES,
     &surfaces::CASES,
     &lambert::CASES,

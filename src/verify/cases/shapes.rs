@@ -43,12 +43,15 @@ impl Places {
 /// Right of the small charts.
 const BESIDE: Places = Places { first_column: 40, side: SIDE };
 
+/// Corners in a texel, counted from its own. Where the next facet stands up from a concave edge, a texel takes light only as
+/// far along both axes as its centre sees: from near the middle of a level edge, over almost all of the triangle.
+const CORNERS: [Vec2; 3] = [Vec2::new(0.02, 0.45), Vec2::new(0.98, 0.45), Vec2::new(0.5, 0.97)];
+
 /// Each triangle in a texel of its own, from this place on.
 pub(super) fn facets(triangles: &[Triangle], places: Places, first: usize, material: usize) -> MeshPart {
-    let corners = [Vec2::splat(0.1), Vec2::new(0.95, 0.1), Vec2::new(0.1, 0.95)];
     let uvs = |index: usize| {
         let [column, row] = places.column_and_row(first + index);
-        corners.map(|corner| (Vec2::new(column as f32, row as f32) + corner) / places.side as f32)
+        CORNERS.map(|corner| (Vec2::new(column as f32, row as f32) + corner) / places.side as f32)
     };
     MeshPart {
         positions: triangles.iter().flatten().map(|corner| corner.as_vec3()).collect(),
