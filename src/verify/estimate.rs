@@ -1,7 +1,7 @@
 //! Bakes, and what several randomisations of a bake tell.
 
 use super::stage::{Chart, SIDE};
-use crate::baker::{AimedBy, BakeSettings, Baker, Bounces, LightMap, Sampling, Statistics, Stop};
+use crate::baker::{AimedBy, BakeSettings, Baker, Bounces, LightMap, Outcome, Sampling, Statistics, Stop};
 use crate::error::{Error, ErrorKind, Result};
 use crate::gpu::Gpu;
 use crate::scene::{Resolution, Scene};
@@ -66,7 +66,10 @@ fn begin(gpu: &Gpu, scene: &Scene, how: How, seed: u64) -> Result<Baker> {
 
 fn go_on(baker: &mut Baker, samples: u32) -> Result<LightMap> {
     let stop = Stop { samples: Some(samples), ..Stop::default() };
-    baker.bake(&stop, &mut |_| ControlFlow::Continue(()))?;
+    let outcome = baker.bake(&stop, &mut |_| ControlFlow::Continue(()))?;
+    if outcome != Outcome::Finished {
+        return Err(broken(format!("the bake ended with {outcome:?}")));
+    }
     let map = baker.read_back()?;
     match map.pixels.iter().position(|pixel| pixel.iter().any(|value| !value.is_finite())) {
         None => Ok(map),

@@ -5,7 +5,7 @@ use crate::baker::{Bounces, LightMap, Sampling};
 use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::scene::{Sidedness, Sky};
-use crate::verify::estimate::{How, bake};
+use crate::verify::estimate::{How, bake, broken};
 use crate::verify::stage::{Chart, Quad, Stage, room};
 use glam::Vec3;
 use std::f64::consts::PI;
@@ -27,7 +27,10 @@ fn furnace(gpu: &Gpu, albedo: f32, bounces: Bounces, inset: f32) -> Result<(Ligh
     let mut stage = Stage::new();
     let white = stage.material(albedo, 1.0);
     let walls = room(Vec3::ZERO, Vec3::ONE, |index| Chart::new(index).inset(inset), white);
-    let (map, _) = bake(gpu, &stage.with(&walls)?, How::new(256, bounces), 0)?;
+    let (map, statistics) = bake(gpu, &stage.with(&walls)?, How::new(256, bounces), 0)?;
+    if statistics.invalid_texels > 0 {
+        return Err(broken(format!("{} texels of a room are inside something", statistics.invalid_texels)));
+    }
     Ok((map, PI / (1.0 - f64::from(albedo))))
 }
 

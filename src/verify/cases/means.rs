@@ -1,14 +1,19 @@
 //! Case 23: whichever way rays are sent, the mean of every surface is the same.
 
-use crate::device::on_both_back_ends;
-use crate::estimate::{Estimate, How, MIXTURES, SEEDS, bake, mean};
-use crate::stage::{Chart, Facing, Quad, Stage, level_square};
+use super::{Case, Checks};
+use crate::baker::{AimedBy, Bounces, Sampling};
+use crate::error::Result;
+use crate::gpu::Gpu;
+use crate::scene::{Scene, Sidedness, Sky, SkyMap, Texture, TextureUse, Wrap};
+use crate::verify::estimate::{Estimate, How, MIXTURES, SEEDS, bake, mean};
+use crate::verify::stage::{Chart, Facing, Quad, Stage, level_square};
 use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3};
-use lightoven::baker::{AimedBy, Bounces, Sampling};
-use lightoven::gpu::Gpu;
-use lightoven::scene::{Scene, Sidedness, Sky, SkyMap, Texture, TextureUse, Wrap};
 
-on_both_back_ends!(emitted, reflected_too, emitted_and_of_a_sky);
+pub(super) const CASES: [Case; 3] = [
+    Case::closed_form(23, "means of emitters' light", emitted),
+    Case::closed_form(23, "means of reflected light", reflected_too),
+    Case::closed_form(23, "means of emitters' and a sky's light", emitted_and_of_a_sky),
+];
 
 /// Columns and rows of a texture whose left half is bright and whose right half is nearly black, and of each colour.
 const PIXELS: u32 = 12;
@@ -30,7 +35,7 @@ fn charts() -> [Chart; 10] {
 
 /// Emitters of different sizes over a floor, a blocker between, plates that reflect, some of them in instances that are
 /// stretched and mirrored. Nothing touches: beside a bright surface the variance of aimed rays has no bound.
-fn scene(sky: Sky) -> Scene {
+fn scene(sky: Sky) -> Result<Scene> {
     let mut stage = Stage::new();
     stage.desc.sky = sky;
     textures(&mut stage);
@@ -67,61 +72,72 @@ fn scene(sky: Sky) -> Scene {
 }
 
 /// `[region]`: of what shines alone, which no texel's rays change.
-fn direct(gpu: &Gpu, scene: &Scene, sampling: Sampling, aimed_by: AimedBy) -> Vec<Estimate> {
+fn direct(gpu: &Gpu, scene: &Scene, sampling: Sampling, aimed_by: AimedBy) -> Result<Vec<Estimate>> {
     let how = How::new(1 << 15, Bounces::Limit(0)).by(sampling).aimed(aimed_by);
     Estimate::each_direct(gpu, scene, how, &charts())
 }
 
-/// `[region]`, over seeds, for reflected light is of the same rays in all texels.
-fn reflected(gpu: &Gpu, scene: &Scene, sampling: Sampling, aimed_by: AimedBy) -> Vec<Estimate> {
+/// `[region]`, over seeds, for reflected light is of the same rays in all texels; and whether rays were sent as they should.
+fn reflected(gpu: &Gpu, scene: &Scene, sampling: Sampling, aimed_by: AimedBy) -> Result<(Vec<Estimate>, bool)> {
     let samples = if sampling == Sampling::Importance { 1024 } else { 512 };
     let how = How::new(samples, Bounces::Auto).by(sampling).aimed(aimed_by);
+    let mut sent_so = true;
     let of_seed = |seed| {
-        let (map, statistics) = bake(gpu, scene, how, seed);
+        let (map, statistics) = bake(gpu, scene, how, seed)?;
         let aimed = statistics.sampling.source_rays + statistics.sampling.sky_rays;
-        assert_eq!(aimed > 0, sampling != Sampling::Cosine, "{sampling:?}");
-        assert_eq!(statistics.sampling.cosine_rays > 0, sampling != Sampling::Importance);
-        charts().map(|chart| mean(&map, chart)).to_vec()
+        sent_so &= (aimed > 0) == (sampling != Sampling::Cosine);
+        sent_so &= (statistics.sampling.cosine_rays > 0) == (sampling != Sampling::Importance);
+        charts().map(|chart| mean(&map, chart)).into_iter().collect()
     };
-    let runs: Vec<Vec<f64>> = (0..SEEDS).map(of_seed).collect();
-    (0..charts().len()).map(|region| Estimate::over(&runs.iter().map(|run| run[region]).collect::<Vec<_>>())).collect()
+    let runs: Vec<Vec<f64>> = (0..SEEDS).map(of_seed).collect::<Result<_>>()?;
+    let region = |region| Estimate::over(&runs.iter().map(|run| run[region]).collect::<Vec<_>>());
+    Ok(((0..charts().len()).map(region).collect(), sent_so))
 }
 
-/// Every region by a way of sampling against the same by the cosine. `resolution`: of a region's mean.
-fn assert_same(gpu: &Gpu, what: &str, cosine: &[Estimate], aimed: &[Estimate], resolution: f64) {
-    let (mut worst, mut noise) = (0.0_f64, 0.0_f64);
-    for (one, other) in cosine.iter().zip(aimed) {
-        let error = one.standard_error.hypot(other.standard_error);
-        worst = worst.max((one.mean - other.mean).abs() / error);
-        noise = noise.max(4.0 * error / one.mean);
-    }
-    let name = gpu.backend().name();
-    println!("{what}, {name}: worst region {worst:.2} sigma off, 4 sigma are {noise:.4} of its mean at most");
-    assert!(noise <= resolution, "{what}: 4 sigma of {noise} tell too little");
-    assert!(worst <= 4.0, "{what}: {cosine:?} by the cosine, {aimed:?}");
+/// Every region by a way of sampling against the same by the cosine, where the worst is told. `resolution`: of a region's
+/// mean.
+fn check_same(checks: &mut Checks, what: &str, cosine: &[Estimate], aimed: &[Estimate], resolution: f64) {
+    let error = |one: &Estimate, other: &Estimate| one.standard_error.hypot(other.standard_error);
+    let greatest = |figure: &dyn Fn(&Estimate, &Estimate) -> f64| {
+        // Of which what is no number is the greatest.
+        let figures = cosine.iter().zip(aimed).map(|(one, other)| figure(one, other).abs());
+        figures.max_by(f64::total_cmp).unwrap_or(f64::NAN)
+    };
+    let worst = greatest(&|one, other| (one.mean - other.mean) / error(one, other));
+    let noise = greatest(&|one, other| 4.0 * error(one, other) / one.mean);
+    checks.at_most(format!("{what}: sigmas that the worst region is off"), worst, 4.0);
+    checks.at_most(format!("{what}: 4 sigma of the noisiest region's mean"), noise, resolution);
 }
 
-fn emitted(gpu: &Gpu) {
-    let scene = scene(Sky::Black);
-    let cosine = direct(gpu, &scene, Sampling::Cosine, AimedBy::Power);
-    for aimed_by in [AimedBy::Power, AimedBy::Distance, AimedBy::Visibility] {
+const AIMS: [(&str, AimedBy); 3] =
+    [("power", AimedBy::Power), ("distance", AimedBy::Distance), ("visibility", AimedBy::Visibility)];
+
+fn emitted(gpu: &Gpu, checks: &mut Checks) -> Result<()> {
+    let scene = scene(Sky::Black)?;
+    let cosine = direct(gpu, &scene, Sampling::Cosine, AimedBy::Power)?;
+    for (name, aimed_by) in AIMS {
         for sampling in [MIXTURES[0], MIXTURES[1], Sampling::Importance] {
-            let what = format!("light of emitters, {sampling:?}, {aimed_by:?}");
-            assert_same(gpu, &what, &cosine, &direct(gpu, &scene, sampling, aimed_by), 0.2);
+            let what = format!("{sampling}, aimed by {name}");
+            check_same(checks, &what, &cosine, &direct(gpu, &scene, sampling, aimed_by)?, 0.2);
         }
     }
+    Ok(())
 }
 
-fn reflected_too(gpu: &Gpu) {
-    let scene = scene(Sky::Black);
-    let cosine = reflected(gpu, &scene, Sampling::Cosine, AimedBy::Power);
+fn reflected_too(gpu: &Gpu, checks: &mut Checks) -> Result<()> {
+    let scene = scene(Sky::Black)?;
+    let (cosine, none_aimed) = reflected(gpu, &scene, Sampling::Cosine, AimedBy::Power)?;
+    checks.holds("by the cosine no ray is aimed", none_aimed);
     // All that reflects is aimed at, also what is beside the receiver: of aimed rays alone the variance is large.
-    for aimed_by in [AimedBy::Power, AimedBy::Distance, AimedBy::Visibility] {
+    for (name, aimed_by) in AIMS {
         for (sampling, resolution) in [(MIXTURES[0], 0.2), (Sampling::Importance, 0.5)] {
-            let what = format!("light of surfaces, {sampling:?}, {aimed_by:?}");
-            assert_same(gpu, &what, &cosine, &reflected(gpu, &scene, sampling, aimed_by), resolution);
+            let what = format!("{sampling}, aimed by {name}");
+            let (aimed, sent_so) = reflected(gpu, &scene, sampling, aimed_by)?;
+            checks.holds(format!("{what}: rays are sent that way"), sent_so);
+            check_same(checks, &what, &cosine, &aimed, resolution);
         }
     }
+    Ok(())
 }
 
 /// 7 x 5 pixels: a dim upper half, and one pixel that is as bright as a sun behind clouds. Up is y.
@@ -134,11 +150,12 @@ fn sky() -> Sky {
     Sky::Map(SkyMap { width: 7, height: 5, pixels: (0..35).map(pixel).collect() })
 }
 
-fn emitted_and_of_a_sky(gpu: &Gpu) {
-    let scene = scene(sky());
-    let cosine = direct(gpu, &scene, Sampling::Cosine, AimedBy::Power);
+fn emitted_and_of_a_sky(gpu: &Gpu, checks: &mut Checks) -> Result<()> {
+    let scene = scene(sky())?;
+    let cosine = direct(gpu, &scene, Sampling::Cosine, AimedBy::Power)?;
     for sampling in MIXTURES {
-        let what = format!("light of emitters and a sky, {sampling:?}");
-        assert_same(gpu, &what, &cosine, &direct(gpu, &scene, sampling, AimedBy::Visibility), 0.05);
+        let aimed = direct(gpu, &scene, sampling, AimedBy::Visibility)?;
+        check_same(checks, &sampling.to_string(), &cosine, &aimed, 0.05);
     }
+    Ok(())
 }
