@@ -4,21 +4,15 @@
 #[path = "../common/device.rs"]
 mod device;
 
-mod adaptive;
 mod area;
-mod choice;
 mod energy;
 mod estimate;
-mod extremes;
 mod form_factors;
 mod furnace;
-mod instances;
 mod lights;
 mod means;
-mod placing;
 mod radiosity;
 mod shapes;
-mod sizes;
 mod sky;
 #[path = "../common/stage.rs"]
 mod stage;
