@@ -1,6 +1,7 @@
 //! What a case found, and what it should have found.
 
 use super::estimate::Estimate;
+use crate::error::{ErrorKind, Result};
 
 /// The rows of a case, as it goes along.
 #[derive(Debug, Default)]
@@ -94,6 +95,17 @@ impl Checks {
 
     pub(super) fn holds(&mut self, what: impl Into<String>, is_so: bool) {
         self.push(what, f64::from(u8::from(is_so)), 1.0, Comparison::Holds);
+    }
+
+    /// It must be an error of this kind, whose message has all of `words`.
+    pub(super) fn refused<T>(&mut self, what: impl Into<String>, result: &Result<T>, kind: ErrorKind, words: &[&str]) {
+        let says = |text: &str| words.iter().all(|word| text.contains(word));
+        let is_so = result.as_ref().is_err_and(|error| error.kind() == kind && says(&error.to_string()));
+        let what = match result {
+            Err(error) if !is_so => format!("{}: refused by name, but it is {:?}: {error}", what.into(), error.kind()),
+            _ => format!("{}: refused by name", what.into()),
+        };
+        self.holds(what, is_so);
     }
 
     fn push(&mut self, what: impl Into<String>, measured: f64, expected: f64, comparison: Comparison) {
