@@ -109,7 +109,19 @@ pub(super) struct Inner {
     pub(super) acceleration: Option<khr::acceleration_structure::Device>,
     pub(super) info: DeviceInfo,
     backend: Backend,
-    owner: Option<Owner>,
+    instance: ash::Instance,
+    physical_device: vk::PhysicalDevice,
+    keeper: Keeper,
+}
+
+/// Who keeps the device alive.
+enum Keeper {
+    /// An engine, by its word.
+    Engine,
+    /// It is our own.
+    Own(#[expect(dead_code, reason = "held to be dropped last")] Box<Owner>),
+    /// It is that of another [`Gpu`], which plays the engine.
+    Lender(#[expect(dead_code, reason = "held to be dropped last")] Gpu),
 }
 
 /// A queue, for one thread at a time.
@@ -260,15 +272,31 @@ impl Gpu {
             backend: requirements.backend,
             debug_utils: raw.instance_extensions.contains(&ext::debug_utils::NAME),
         };
-        Self::assemble(loaded, None, 0)
+        Self::assemble(loaded, Keeper::Engine, 0)
     }
 
     /// A device of our own, which goes with the last clone.
     pub(super) fn owned(loaded: Loaded, owner: Owner, index: usize) -> Result<Self> {
-        Self::assemble(loaded, Some(owner), index)
+        Self::assemble(loaded, Keeper::Own(Box::new(owner)), index)
     }
 
-    fn assemble(loaded: Loaded, owner: Option<Owner>, index: usize) -> Result<Self> {
+    /// The same device once more, called by these functions and not our own.
+    pub(super) fn lent(&self, device: ash::Device) -> Result<Self> {
+        let inner = &self.inner;
+        let raw = |queue: &Queue| RawQueue { handle: *queue.lock(), family: queue.family };
+        let loaded = Loaded {
+            instance: inner.instance.clone(),
+            physical_device: inner.physical_device,
+            device,
+            queue: raw(&inner.queue),
+            compute_queue: inner.compute_queue.as_ref().map(raw),
+            backend: inner.backend,
+            debug_utils: inner.debug.is_some(),
+        };
+        Self::assemble(loaded, Keeper::Lender(self.clone()), inner.info.index)
+    }
+
+    fn assemble(loaded: Loaded, keeper: Keeper, index: usize) -> Result<Self> {
         let Loaded { instance, physical_device, device, queue, compute_queue, backend, debug_utils } = loaded;
         let info = super::info::describe(&instance, physical_device, index);
         let allocator = Allocator::new(&AllocatorCreateDesc {
@@ -290,14 +318,16 @@ impl Gpu {
             compute_queue: compute_queue.map(|queue| Queue::new(queue, &instance, physical_device)),
             info,
             backend,
-            owner,
+            instance,
+            physical_device,
+            keeper,
         };
         Ok(Self { inner: Arc::new(inner) })
     }
 
     /// Whether instance and device are our own: there is then no engine whose frames to work in.
     pub(crate) fn is_owned(&self) -> bool {
-        self.inner.owner.is_some()
+        matches!(self.inner.keeper, Keeper::Own(_))
     }
 
     /// What the device is and can do.

@@ -127,6 +127,11 @@ impl<'a> Recorder<'a> {
         Self::after(gpu, commands.0, Self::frame_stages(gpu))
     }
 
+    /// What is being recorded, for a frame within it.
+    pub(crate) fn frame_commands(&self) -> FrameCommands {
+        FrameCommands(self.commands())
+    }
+
     /// Makes the light map visible to fragment and compute shaders and to copies that the engine records next. Narrow, so
     /// that its shadow maps need not wait.
     pub(crate) fn publish(&mut self) {

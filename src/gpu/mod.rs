@@ -12,6 +12,7 @@ mod info;
 mod memory;
 mod pipeline;
 mod recorder;
+mod rehearsal;
 mod requirements;
 mod sampler;
 mod shader;

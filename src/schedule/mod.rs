@@ -1,10 +1,12 @@
 //! Cuts work into pieces of a wanted length. Pure: timings come in, pieces of work go out.
 //!
 //! - [`sweep`]: submissions of a static bake;
-//! - [`frame`]: dispatches within the budget of a frame, [`work`], by the predictions of [`cost`] and [`tile_cost`].
+//! - [`frame`]: dispatches within the budget of a frame, [`work`], by the predictions of [`cost`] and [`tile_cost`];
+//! - [`simulated`]: a device to plan for.
 
 mod cost;
 mod frame;
+pub(crate) mod simulated;
 #[cfg(test)]
 mod simulation;
 mod sweep;

@@ -16,6 +16,8 @@
 mod cases;
 mod checks;
 mod estimate;
+mod live;
+mod random;
 #[doc(hidden)]
 pub mod stage;
 pub mod study;

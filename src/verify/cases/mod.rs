@@ -15,21 +15,28 @@ mod instances;
 mod lambert;
 mod lights;
 mod limits;
+mod long_runs;
 mod means;
 mod not_finite;
 mod placing;
 mod radiosity;
+mod runtime;
+mod schedule;
+mod settling;
 mod shapes;
 mod sizes;
 mod sky;
+mod slices;
 mod spheres;
 mod surfaces;
+mod temporal;
+mod traversal;
 mod triangles;
 
 use super::{Case, Checks};
 
 /// In the order of the table.
-pub(super) const GROUPS: [&[Case]; 25] = [
+pub(super) const GROUPS: [&[Case]; 32] = [
     &furnace::CASES,
     &spheres::CASES,
     &form_factors::CASES,
@@ -39,10 +46,15 @@ pub(super) const GROUPS: [&[Case]; 25] = [
     &lights::CASES,
     &sky::CASES,
     &radiosity::CASES,
+    &temporal::CASES,
+    &settling::CASES,
     &area::CASES,
+    &traversal::CASES,
+    &slices::CASES,
     &means::CASES,
     &energy::CASES,
     &albedo::CASES,
+    &long_runs::CASES,
     &extremes::CASES,
     &not_finite::CASES,
     &triangles::CASES,
@@ -53,6 +65,8 @@ pub(super) const GROUPS: [&[Case]; 25] = [
     &bare_scenes::CASES,
     &limits::CASES,
     &sizes::CASES,
+    &schedule::CASES,
+    &runtime::CASES,
     &choice::CASES,
     &adaptive::CASES,
 ];
