@@ -113,6 +113,8 @@ fn no_albedo(gpu: &Gpu, checks: &mut Checks) -> Result<()> {
         let scene = Scene::new(furnace(albedo).desc)?;
         let warned = matches!(scene.warnings(), [one] if one.contains("albedo of material 'white'"));
         checks.holds(format!("{albedo}: one warning names the material"), warned);
+        let kept = scene.materials()[0].albedo;
+        checks.holds(format!("{albedo}: it is kept as .999"), kept == Vec3::splat(MAX_ALBEDO));
         checks.holds(format!("{albedo}: the light of .999"), bake(gpu, &scene, how, 0)?.0 == wanted);
     }
     let mut textured = furnace(1.0);
