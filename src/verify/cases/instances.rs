@@ -117,10 +117,14 @@ fn singular(gpu: &Gpu, checks: &mut Checks) -> Result<()> {
     alone.light(LightKind::Directional { direction: SUN });
     alone.place(&[other()], DAffine3::from_translation(DVec3::new(-1e3, 0.0, 0.0)));
     let wanted = bake(gpu, &alone.build()?, how, 0)?.0;
-    for (what, scale) in
-        [("flat", DVec3::new(1.0, 1.0, 0.0)), ("a line", DVec3::new(0.0, 0.0, 1.0)), ("a point", DVec3::ZERO)]
-    {
-        let scene = Scene::new(placed(DMat3::from_diagonal(scale), Company::Another).desc)?;
+    let flat = DMat3::from_diagonal(DVec3::new(1.0, 1.0, 0.0));
+    for (what, matrix) in [
+        ("flat", flat),
+        ("flat but for rounding", DMat3 { z_axis: DVec3::new(1.0, 1.0, 1e-13), ..flat }),
+        ("a line", DMat3::from_diagonal(DVec3::Z)),
+        ("a point", DMat3::ZERO),
+    ] {
+        let scene = Scene::new(placed(matrix, Company::Another).desc)?;
         let told = matches!(scene.warnings(), [only] if only.contains("'instance 0'") && only.contains("singular"));
         checks.holds(format!("{what}: a warning names the instance"), told);
         checks.count(format!("{what}: instances that are left"), scene.instances().len() as u64, 1);
