@@ -33,7 +33,8 @@ Incident incident_of(Light light, vec3 point, vec3 normal) {
     }
     // Divided twice: a squared distance leaves fp32 sooner than the distance does.
     incident.irradiance = light.intensity * (share / incident.distance / incident.distance);
-    if (incident.distance == 0.0) incident.irradiance = vec3(0.0);
+    // A light that lies on a surface has no finite answer there.
+    if (any(isnan(incident.irradiance)) || any(isinf(incident.irradiance))) incident.irradiance = vec3(0.0);
     return incident;
 }
 

@@ -114,7 +114,7 @@ fn light_on_a_surface(gpu: &Gpu, checks: &mut Checks) -> Result<()> {
     let beside = level_square(1.0, 0.0, Facing::Up, chart(1), 0);
     // The middle of a texel.
     let (_, share) = chart(0).texels().nth(14).ok_or_else(|| broken("the chart has no texel".into()))?;
-    for (height, intensity) in [(0.0, 1.0), (1e-6, 1.0), (-1e-6, 1.0), (0.0, 1e30), (1e-6, 1e20)] {
+    for (height, intensity) in [(0.0, 1.0), (1e-6, 1.0), (-1e-6, 1.0), (0.0, 1e30), (1e-6, 1e20), (1e-6, 3e38)] {
         let mut stage = Stage::new();
         stage.material(0.5, 0.0);
         let position = floor.point(share) + DVec3::Z * height;
