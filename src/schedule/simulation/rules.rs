@@ -144,7 +144,7 @@ proptest! {
         let device = Device::new(extent, 100e6);
         let mut scheduler = FrameScheduler::new(extent);
         let mut checker = Checker::new(extent);
-        let (mut idle, mut saved_s, mut quanta) = (0, 0.0, 1);
+        let (mut idle, mut saved_s, mut quanta) = (0, 0.0, fixed_quanta.unwrap_or(1));
         for (budget, [direct, importance, publish], overhead_s, clocks) in frames {
             let needs = Needs { direct, importance, importance_after: importance, publish };
             let before = scheduler.clone();
@@ -157,7 +157,8 @@ proptest! {
             if budget.is_zero() {
                 prop_assert!(works.is_empty());
             } else {
-                quanta = works.last().map_or(quanta, |work| work.quanta);
+                let swept = works.iter().rfind(|work| work.stage == Stage::Gather);
+                quanta = swept.map_or(quanta, |work| work.quanta);
                 saved_s = longest_item_s(&before, extent, quanta).max(budget.as_secs_f64().min(4e-3));
             }
             for (work, clock) in works.iter().zip(clocks.iter().cycle()) {
