@@ -1,10 +1,10 @@
 //! The frame scheduler against a simulated device.
 
+mod rules;
+
 use super::frame::{FrameScheduler, TILE, samples_per_texel};
 use super::simulated::{Device, extent};
-use super::work::{Extent, Needs, STAGES, Stage, Work};
-use proptest::prelude::*;
-use std::ops::Range;
+use super::work::{Extent, Needs, Stage, Work};
 use std::time::Duration;
 
 const ALL: Needs = Needs { direct: true, importance: true, importance_after: true, publish: true };
@@ -173,125 +173,4 @@ fn rays_are_those_of_the_device() {
     assert!((scheduler.rays_per_second() / 100e6 - 1.0).abs() < 0.15, "{}", scheduler.rays_per_second());
     assert!((samples_per_texel(262.144e6, 0.032, 512 * 512) - 32.0).abs() < 1e-9);
     assert_eq!(samples_per_texel(1e6, 1.0, 0), 0.0);
-}
-
-/// Follows the cycle and checks every rule that a single plan can break.
-struct Checker {
-    extent: Extent,
-    stage: Stage,
-    next: u32,
-    quanta: u32,
-    /// Work of each stage in the last frames that had any.
-    last: [[u64; 2]; STAGES],
-    ended: [u32; STAGES],
-}
-
-impl Checker {
-    fn new(extent: Extent) -> Self {
-        Self { extent, stage: Stage::Direct, next: 0, quanta: 0, last: [[0; 2]; STAGES], ended: [0; STAGES] }
-    }
-
-    fn plan(&mut self, works: &[Work], needs: Needs) -> Result<(), TestCaseError> {
-        let mut items = [const { Vec::new() }; STAGES];
-        let (mut done, mut first) = ([0; STAGES], [0; STAGES]);
-        for work in works {
-            self.work(work, needs)?;
-            let index = work.stage as usize;
-            if items[index].is_empty() {
-                first[index] = self.size(work, work.items.start..work.items.start + 1);
-            }
-            items[index].extend(work.items.clone());
-            done[index] += self.size(work, work.items.clone());
-        }
-        for (index, mut items) in items.into_iter().enumerate() {
-            let count = items.len();
-            items.sort_unstable();
-            items.dedup();
-            prop_assert_eq!(items.len(), count, "an item twice in a plan");
-            let reach = (2 * self.last[index][0].max(self.last[index][1])).max(first[index]);
-            prop_assert!(done[index] <= reach, "{} of {}", done[index], reach);
-            if count > 0 {
-                self.last[index] = [done[index], self.last[index][0]];
-            }
-        }
-        Ok(())
-    }
-
-    /// Texels or blocks, times quanta.
-    fn size(&self, work: &Work, items: Range<u32>) -> u64 {
-        let texels = |item| match work.stage {
-            Stage::Importance | Stage::Publish => 1,
-            _ => u64::from(TILE.min(self.extent.texels - item * TILE)),
-        };
-        items.map(|item| texels(item) * u64::from(work.quanta)).sum()
-    }
-
-    fn work(&mut self, work: &Work, needs: Needs) -> Result<(), TestCaseError> {
-        prop_assert!(!work.items.is_empty());
-        if self.next == 0 {
-            let order = [Stage::Direct, Stage::Importance, Stage::Gather, Stage::Publish];
-            let skipped = order.iter().cycle().skip(self.stage as usize).take_while(|stage| **stage != work.stage);
-            // Gathering is never left out; what was begun at 0 was asked for.
-            prop_assert!(!skipped.clone().any(|stage| *stage == Stage::Gather));
-            prop_assert!(work.stage != Stage::Direct || needs.direct);
-            prop_assert!(work.stage != Stage::Importance || needs.importance);
-            prop_assert!(work.stage != Stage::Publish || needs.publish);
-            (self.stage, self.quanta) = (work.stage, work.quanta);
-        }
-        prop_assert_eq!((work.stage, work.items.start, work.quanta), (self.stage, self.next, self.quanta));
-        prop_assert!(work.items.end <= self.extent.items(work.stage));
-        prop_assert_eq!(work.ends_stage, work.items.end == self.extent.items(work.stage));
-        self.next = work.items.end;
-        if work.ends_stage {
-            self.next = 0;
-            self.ended[work.stage as usize] += 1;
-            self.stage = [Stage::Importance, Stage::Gather, Stage::Publish, Stage::Direct][work.stage as usize];
-        }
-        Ok(())
-    }
-}
-
-proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, cases: 64, ..ProptestConfig::default() })]
-
-    #[test]
-    fn every_plan_keeps_the_rules(
-        tiles in 1_u32..200, rate in 5.5_f64..9.0, seed in any::<u64>(), late in 0_usize..3, timestamps in any::<bool>(),
-        frames in prop::collection::vec((-6.0_f64..1.0, any::<[bool; 3]>(), 0.5_f64..3.0), 1..200),
-        fixed_quanta in prop::option::of(1_u32..9),
-    ) {
-        let extent = Extent { fixed_quanta, ..extent(tiles) };
-        let mut device = Device { random: seed, late, timestamps, ..Device::new(extent, 10_f64.powf(rate)) };
-        let mut scheduler = FrameScheduler::new(extent);
-        let mut checker = Checker::new(extent);
-        for (budget, [direct, importance, publish], slowdown) in frames {
-            let (budget_s, needs) = (10_f64.powf(budget), Needs { direct, importance, importance_after: importance, publish });
-            device.slowdown = slowdown;
-            let works = scheduler.clone().plan(Duration::from_secs_f64(budget_s), needs, 0.0).to_vec();
-            for work in works.iter().filter(|work| work.items.len() > 1) {
-                prop_assert!(scheduler.predicted(work) <= 1.000_001 * 4e-3_f64.min((budget_s + 1e-9) / 2.0));
-            }
-            checker.plan(&works, needs)?;
-            prop_assert_eq!(device.frame(&mut scheduler, budget_s, needs).works, works);
-        }
-    }
-
-    /// Also where no budget is enough, and where direct light is always out of date.
-    #[test]
-    fn nothing_starves(tiles in 1_u32..6, rate in 4.0_f64..9.0, budget in -9.0_f64..1.0, overhead_s in 0.0_f64..0.1) {
-        let extent = extent(tiles);
-        let mut device = Device::new(extent, 10_f64.powf(rate));
-        let mut scheduler = FrameScheduler::new(extent);
-        let mut checker = Checker::new(extent);
-        for frame in 0..2 * 64 * (2 * tiles + extent.importance_parts + extent.block_rows) {
-            let overhead_s = if frame % 2 == 0 { overhead_s } else { 0.0 };
-            let works = scheduler.plan(Duration::from_secs_f64(10_f64.powf(budget)), ALL, overhead_s).to_vec();
-            checker.plan(&works, ALL)?;
-            for work in &works {
-                let seconds = device.noisy(device.item_s(work, work.items.start) * work.items.len() as f64);
-                scheduler.measured(work, seconds, false);
-            }
-        }
-        prop_assert!(checker.ended.iter().all(|ended| *ended >= 2), "{:?}", checker.ended);
-    }
 }

@@ -114,6 +114,12 @@ impl Pace {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+    use proptest::test_runner::RngSeed;
+
+    /// What a clock may say: nothing, little, spikes, and all that fits.
+    fn nanoseconds() -> Vec<u64> {
+        vec![0, 1, 1_000, 50_000_000, 500_000_000, 3_600_000_000_000, u64::MAX]
+    }
 
     fn units(texels: u32, quanta: Range<u32>, pace: &mut Pace, seconds: f64) -> Vec<Unit> {
         let mut sweep = Sweep::new(texels, quanta);
@@ -126,6 +132,34 @@ mod tests {
     }
 
     proptest! {
+        #![proptest_config(ProptestConfig {
+            failure_persistence: None, rng_seed: RngSeed::Fixed(3), ..ProptestConfig::default()
+        })]
+
+        /// Any clock: a slice always has something in it, and after a spike the next one is as much shorter.
+        #[test]
+        fn any_times_make_progress(
+            texels in 1_u32..2000, count in 1_u32..9,
+            times in prop::collection::vec((any::<u64>(), prop::sample::select(nanoseconds())), 1..40), slice in 0_u64..100_000,
+        ) {
+            let target = Duration::from_micros(slice);
+            let mut pace = Pace::new(Slice::Time(target));
+            let mut sweep = Sweep::new(texels, 0..count);
+            let (mut done, mut units) = (0, 0);
+            for (rays, nanoseconds) in times.into_iter().cycle() {
+                let Some(unit) = sweep.next(&pace, 64, u32::MAX) else { break };
+                prop_assert!(!unit.texels.is_empty() && !unit.quanta.is_empty() && unit.texels.end <= texels);
+                done += unit.texels.len() as u64 * unit.quanta.len() as u64;
+                units += 1;
+                let (rays, took) = (rays >> (units % 64), Duration::from_nanos(nanoseconds));
+                pace.measured(rays, took);
+                let next_s = pace.rays / rays.max(1) as f64 * took.as_secs_f64();
+                prop_assert!(pace.rays == 1.0 || next_s <= 1.000_001 * target.as_secs_f64().max(1e-6), "{next_s} s");
+            }
+            prop_assert_eq!(done, u64::from(texels) * u64::from(count));
+            prop_assert!(units <= u64::from(texels.div_ceil(GROUP) * count));
+        }
+
         #[test]
         fn every_texel_gets_every_quantum_once_and_in_order(
             texels in 0_u32..3000, count in 0_u32..9, size in 1_u32..2000, timed in any::<bool>(), seconds in 1e-6..10.0,

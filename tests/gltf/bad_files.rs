@@ -107,3 +107,36 @@ fn extensions_that_are_not_known() {
     builder.root["accessors"][0]["count"] = json!(0);
     assert_invalid(&builder, &["accessor 0"]);
 }
+
+/// The beginning of a PNG file of this many pixels, followed by zeros.
+fn png_head(width: u32, height: u32, bytes: usize) -> Vec<u8> {
+    let mut header = b"IHDR".to_vec();
+    header.extend([width, height].map(u32::to_be_bytes).concat());
+    header.extend([8, 2, 0, 0, 0]);
+    let crc = header.iter().fold(u32::MAX, |crc, byte| {
+        (0..8).fold(crc ^ u32::from(*byte), |crc, _| crc >> 1 ^ if crc & 1 == 1 { 0xedb8_8320 } else { 0 })
+    });
+    let mut file = b"\x89PNG\r\n\x1a\n\0\0\0\x0d".to_vec();
+    file.extend(header);
+    file.extend((!crc).to_be_bytes());
+    file.extend((bytes as u32).to_be_bytes());
+    file.extend(b"IDAT");
+    file.resize(file.len() + bytes, 0);
+    file
+}
+
+#[test]
+fn images_that_claim_more_than_they_hold() {
+    let with_image = |bytes: &[u8]| {
+        let mut builder = square();
+        let image = builder.view(bytes);
+        builder.root["images"] = json!([{ "bufferView": image, "name": "claim" }]);
+        builder.root["textures"] = json!([{ "source": 0 }]);
+        builder.root["materials"] = json!([{ "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } } }]);
+        primitive(&mut builder)["material"] = json!(0);
+        builder
+    };
+    assert_invalid(&with_image(&png_head(16384, 16384, 64)), &["image 0 ('claim')", "16384 x 16384", "cannot hold"]);
+    assert_invalid(&with_image(&png_head(20000, 20000, 1 << 16)), &["decode image 0 ('claim')"]);
+    assert_invalid(&with_image(&png_head(64, 64, 1000)), &["decode image 0 ('claim')"]);
+}

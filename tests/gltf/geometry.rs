@@ -142,3 +142,32 @@ fn bind_pose_and_rest_shape_are_said() {
     assert!(scene.warnings()[0].contains("bind pose: 'hero'"), "{:?}", scene.warnings());
     assert!(scene.warnings()[1].contains("morph targets are not applied: 'hero'"), "{:?}", scene.warnings());
 }
+
+/// Not a number of steps that grows with the square: a level may have so many, a trap more.
+#[test]
+fn tens_of_thousands_of_meshes_are_soon_read() {
+    const COUNT: usize = 60_000;
+    let mut builder = square();
+    let (accessors, mesh) = (builder.root["accessors"].clone(), builder.root["meshes"][0].clone());
+    let (mut all, mut meshes, mut nodes) = (Vec::new(), Vec::new(), Vec::new());
+    for index in 0..COUNT {
+        all.extend(accessors.as_array().expect("is a list").iter().cloned());
+        let mut mesh = mesh.clone();
+        let first = 3 * index;
+        mesh["primitives"][0] =
+            json!({ "attributes": { "POSITION": first, "TEXCOORD_1": first + 1 }, "indices": first + 2 });
+        meshes.push(mesh);
+        nodes.push(json!({ "mesh": index, "skin": 0 }));
+    }
+    builder.root["skins"] = json!([{ "joints": [0] }]);
+    builder.root["scenes"][0]["nodes"] = json!((0..COUNT).collect::<Vec<_>>());
+    (builder.root["accessors"], builder.root["meshes"], builder.root["nodes"]) =
+        (all.into(), meshes.into(), nodes.into());
+    let folder = Folder::new().with("many.gltf", builder.embedded());
+    let start = std::time::Instant::now();
+    let scene = folder.read("many.gltf").expect("is valid");
+    let took = start.elapsed();
+    assert_eq!(scene.instances().len(), COUNT);
+    // A third of a second on two cores.
+    assert!(took.as_secs() < 5, "took {took:?}");
+}

@@ -9,6 +9,7 @@ mod bad_documents;
 mod bad_files;
 mod geometry;
 mod materials;
+mod mutated;
 mod mutations;
 mod nodes;
 mod shared_scenes;
@@ -52,8 +53,12 @@ impl Folder {
     }
 
     fn with(self, name: &str, content: impl AsRef<[u8]>) -> Self {
-        std::fs::write(self.0.path().join(name), content).expect("the temporary folder can be written");
+        self.put(name, content);
         self
+    }
+
+    fn put(&self, name: &str, content: impl AsRef<[u8]>) {
+        std::fs::write(self.0.path().join(name), content).expect("the temporary folder can be written");
     }
 
     fn read(&self, name: &str) -> Result<Scene> {
@@ -87,12 +92,16 @@ fn assert_invalid(builder: &Builder, parts: &[&str]) {
 fn glb(builder: &Builder) -> Vec<u8> {
     let mut root = builder.root.clone();
     root["buffers"] = json!([{ "byteLength": builder.binary.len() }]);
-    let mut json = serde_json::to_vec(&root).expect("is JSON");
+    container(serde_json::to_vec(&root).expect("is JSON"), &builder.binary)
+}
+
+/// A GLB file of these two chunks.
+fn container(mut json: Vec<u8>, binary: &[u8]) -> Vec<u8> {
     json.resize(json.len().next_multiple_of(4), b' ');
     let mut bytes = b"glTF".to_vec();
-    let length = 12 + 8 + json.len() + 8 + builder.binary.len();
+    let length = 12 + 8 + json.len() + 8 + binary.len();
     bytes.extend([2, length as u32].map(u32::to_le_bytes).concat());
-    for (kind, content) in [(b"JSON", &json), (b"BIN\0", &builder.binary)] {
+    for (kind, content) in [(b"JSON", json.as_slice()), (b"BIN\0", binary)] {
         bytes.extend((content.len() as u32).to_le_bytes());
         bytes.extend(kind);
         bytes.extend(content);

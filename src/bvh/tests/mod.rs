@@ -1,5 +1,6 @@
 //! The hierarchy against brute force and against f64, its encoding, and its worst cases.
 
+mod degenerate;
 mod support;
 mod watertight;
 

@@ -7,16 +7,20 @@ use super::names;
 use crate::error::Result;
 use crate::scene::{MeshDesc, MeshPart};
 use glam::{Vec2, Vec3};
+use gltf::json::mesh::Primitive as Json;
+use gltf::json::validation::Checked;
 use gltf::mesh::{Mode, Semantic};
-use gltf::{Mesh, Primitive};
-use std::collections::HashMap;
+use gltf::{Accessor, Document, Mesh, Primitive};
+use std::collections::{HashMap, HashSet};
 
 /// `n` of the `TEXCOORD_n` that is the light map.
 const LIGHT_MAP_SET: u32 = 1;
 
 /// Meshes in the order of their first use, and what was noticed.
-#[derive(Default)]
-pub(super) struct Meshes {
+pub(super) struct Meshes<'a> {
+    document: &'a Document,
+    /// The document's, by position: the crate counts its way to each from the first one on.
+    accessors: Vec<Accessor<'a>>,
     meshes: Vec<MeshDesc>,
     /// From the document's index.
     positions: HashMap<usize, usize>,
@@ -26,12 +30,31 @@ pub(super) struct Meshes {
     unmapped_in_scene: usize,
     /// Numbers read from accessors.
     numbers: usize,
+    /// In the order of their first use, and to look up.
     skinned: Vec<String>,
+    known_skinned: HashSet<String>,
     morphed: Vec<String>,
     others: Vec<String>,
 }
 
-impl Meshes {
+impl<'a> Meshes<'a> {
+    /// None of a document's.
+    pub(super) fn new(document: &'a Document) -> Self {
+        Self {
+            document,
+            accessors: document.accessors().collect(),
+            meshes: Vec::new(),
+            positions: HashMap::new(),
+            unmapped: Vec::new(),
+            unmapped_in_scene: 0,
+            numbers: 0,
+            skinned: Vec::new(),
+            known_skinned: HashSet::new(),
+            morphed: Vec::new(),
+            others: Vec::new(),
+        }
+    }
+
     /// The position of a mesh among those in use, for one more instance of it.
     pub(super) fn place(
         &mut self,
@@ -46,7 +69,7 @@ impl Meshes {
         };
         self.unmapped_in_scene = self.unmapped_in_scene.saturating_add(self.unmapped[position]);
         let name = &self.meshes[position].name;
-        if skinned && !self.skinned.contains(name) {
+        if skinned && self.known_skinned.insert(name.clone()) {
             self.skinned.push(name.clone());
         }
         Ok(position)
@@ -58,12 +81,19 @@ impl Meshes {
         let mut unmapped = 0;
         let mut left_out: Vec<Mode> = Vec::new();
         let mut accessors = Accessors::new(buffers, self.numbers);
-        for primitive in mesh.primitives() {
+        let described = &self.document.as_json().meshes[mesh.index()].primitives;
+        for (primitive, json) in mesh.primitives().zip(described) {
             let Some(topology) = Topology::of(primitive.mode()) else {
                 left_out.push(primitive.mode());
                 continue;
             };
-            let mut reader = PrimitiveReader { mesh: &name, primitive: &primitive, accessors: &mut accessors };
+            let mut reader = PrimitiveReader {
+                mesh: &name,
+                primitive: &primitive,
+                json,
+                all: &self.accessors,
+                accessors: &mut accessors,
+            };
             let Some(part) = reader.part(topology, materials, &mut self.others)? else { continue };
             if part.light_map_uvs.is_none() {
                 unmapped += if part.indices.is_empty() { part.positions.len() } else { part.indices.len() } / 3;
@@ -153,6 +183,9 @@ impl Topology {
 struct PrimitiveReader<'a, 'b> {
     mesh: &'a str,
     primitive: &'a Primitive<'a>,
+    json: &'a Json,
+    /// The document's accessors.
+    all: &'a [Accessor<'a>],
     accessors: &'a mut Accessors<'b>,
 }
 
@@ -167,7 +200,8 @@ impl PrimitiveReader<'_, '_> {
         let Some(positions) = self.vectors::<3>(&Semantic::Positions)? else { return Ok(None) };
         let positions: Vec<Vec3> = positions.into_iter().map(Vec3::from).collect();
         let role = self.role("indices");
-        let indices = self.primitive.indices().map(|accessor| self.accessors.indices(&accessor, &role)).transpose()?;
+        let indices = self.json.indices.and_then(|index| self.all.get(index.value()));
+        let indices = indices.map(|accessor| self.accessors.indices(accessor, &role)).transpose()?;
         let indices = topology.list(indices, positions.len());
         if topology != Topology::List && indices.is_empty() {
             return Ok(None);
@@ -206,9 +240,10 @@ impl PrimitiveReader<'_, '_> {
 
     /// An attribute's values; `None` where the primitive has it not.
     fn vectors<const N: usize>(&mut self, semantic: &Semantic) -> Result<Option<Vec<[f32; N]>>> {
-        let Some(accessor) = self.primitive.get(semantic) else { return Ok(None) };
+        let index = self.json.attributes.get(&Checked::Valid(semantic.clone()));
+        let Some(accessor) = index.and_then(|index| self.all.get(index.value())) else { return Ok(None) };
         let role = self.role(&semantic.to_string());
-        self.accessors.vectors(&accessor, &role).map(Some)
+        self.accessors.vectors(accessor, &role).map(Some)
     }
 
     fn role(&self, attribute: &str) -> String {

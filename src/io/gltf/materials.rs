@@ -36,12 +36,21 @@ pub(super) struct Materials {
     positions: HashMap<Option<usize>, usize>,
     /// The document's indices of images in use; a texture's position is its image's here.
     images: Vec<usize>,
+    /// From the document's index.
+    textures: HashMap<usize, usize>,
     not_opaque: Vec<String>,
 }
 
 impl Materials {
     pub(super) fn new(choice: SidednessChoice) -> Self {
-        Self { choice, entries: Vec::new(), positions: HashMap::new(), images: Vec::new(), not_opaque: Vec::new() }
+        Self {
+            choice,
+            entries: Vec::new(),
+            positions: HashMap::new(),
+            images: Vec::new(),
+            textures: HashMap::new(),
+            not_opaque: Vec::new(),
+        }
     }
 
     /// The position of a material among those in use.
@@ -96,8 +105,7 @@ impl Materials {
 
     fn texture_use(&mut self, info: &Info<'_>) -> TextureUse {
         let image = info.texture().source().index();
-        let known = self.images.iter().position(|known| *known == image);
-        let texture = known.unwrap_or_else(|| {
+        let texture = *self.textures.entry(image).or_insert_with(|| {
             self.images.push(image);
             self.images.len() - 1
         });
@@ -124,7 +132,8 @@ impl Materials {
         let views = Views { views: document.views().collect(), buffers, folder };
         let sources: Vec<gltf::Image<'_>> = document.images().collect();
         let json = &document.as_json().images;
-        let textures = self.images.iter().map(|i| images::decode(&sources[*i], &json[*i], &views));
+        let mut pixels = 0;
+        let textures = self.images.iter().map(|i| images::decode(&sources[*i], &json[*i], &views, &mut pixels));
         let textures = textures.collect::<Result<_>>()?;
         Ok((self.entries.into_iter().map(|entry| entry.material).collect(), textures))
     }

@@ -78,7 +78,7 @@ pub fn read_desc(path: &Path, settings: &ReadSettings) -> Result<(SceneDesc, Vec
     let buffers = Buffers::load(&document, container.binary, folder)?;
 
     let mut materials = Materials::new(settings.sidedness);
-    let mut meshes = Meshes::default();
+    let mut meshes = Meshes::new(&document);
     let mut desc = SceneDesc { name: names::of_file(path), ..SceneDesc::default() };
     for Placed { node, transform, mobility } in nodes::place(&document)? {
         if let Some(mesh) = node.mesh() {

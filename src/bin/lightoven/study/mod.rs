@@ -7,9 +7,9 @@ use crate::arguments::{Study, StudyArgument};
 use crate::progress::{Bar, Visibility};
 use crate::report::write_json;
 use crate::{Ending, device, interrupt, messages, paths};
-use lightoven::{Error, ErrorKind, Result};
 use lightoven::gpu::Gpu;
 use lightoven::verify::study;
+use lightoven::{Error, ErrorKind, Result};
 use report::{Precision, Report, Stiffness};
 
 /// Makes the study, and says what came out.
