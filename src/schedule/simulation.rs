@@ -2,10 +2,9 @@
 
 mod rules;
 
-use super::frame::{FrameScheduler, TILE, samples_per_texel};
+use super::frame::{FrameScheduler, samples_per_texel};
 use super::simulated::{Device, extent};
 use super::work::{Extent, Needs, Stage, Work};
-use std::time::Duration;
 
 const ALL: Needs = Needs { direct: true, importance: true, importance_after: true, publish: true };
 const GATHER_ONLY: Needs = Needs { direct: false, importance: false, importance_after: false, publish: false };
