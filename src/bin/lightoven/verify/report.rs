@@ -144,7 +144,11 @@ impl RowReport {
         let (name, difference, bound) = match *comparison {
             Comparison::Estimate { standard_error, tolerance, .. } => {
                 let beside = if tolerance > 0.0 { format!(" + {tolerance:.1e}") } else { String::new() };
-                ("estimate", format!("{:+.2} sigma", apart / standard_error), format!("4 sigma{beside}"))
+                // All rays may see the same.
+                let is_noise = standard_error > 0.01 * tolerance;
+                let difference =
+                    if is_noise { format!("{:+.2} sigma", apart / standard_error) } else { format!("{apart:+.1e}") };
+                ("estimate", difference, format!("4 sigma{beside}"))
             }
             Comparison::Within(bound) => ("within", format!("{apart:+.1e}"), format!("{bound:.1e}")),
             Comparison::Relative(bound) => {
