@@ -7,7 +7,7 @@
 #include "include/links.glsl"
 
 layout(set = 0, binding = 10) uniform texture2D source_map;
-layout(set = 0, binding = 11, rgba32f) uniform image2D mean_even;
+layout(set = 0, binding = 11, rgba32f) writeonly uniform image2D mean_even;
 // What came from elsewhere than the source map: it stays.
 layout(set = 0, binding = 12, rgba32f) readonly uniform image2D mean_odd;
 
@@ -20,8 +20,5 @@ void main() {
         Link link = links[link_place(place, ray)];
         irradiance += texelFetch(source_map, ivec2(link.texel & 0xffffu, link.texel >> 16u), 0).rgb * link.weight;
     }
-    // What is missing shrinks bounce by bounce, in the end by one factor everywhere: as far as it is known, all at once.
-    vec3 change = irradiance - imageLoad(mean_even, ivec2(texel)).rgb;
-    if (push.history > 0.0) irradiance = max(irradiance + change * push.history, 0.0);
     imageStore(mean_even, ivec2(texel), vec4(irradiance, float(push.rays)));
 }

@@ -11,7 +11,8 @@ use crate::error::{Error, ErrorKind, Result};
 /// How many times light is reflected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Bounces {
-    /// Until what is missing is below a ten-thousandth of the mean radiance.
+    /// Until what is missing is below a ten-thousandth of the mean radiance, or, with albedos above .995, as little as 32-bit
+    /// floats tell.
     #[default]
     Auto,
     /// This many times at most; 0: lights, sky and emission alone.
@@ -50,9 +51,7 @@ pub(crate) struct Epochs {
     emitted: f64,
     /// Most mean radiance before and after the first bounce of all.
     lit: f64,
-    /// Entry of `radiance` from which on changes are those of bounces.
-    since: usize,
-    /// By how much the change shrank from bounce to bounce before `since`, at the slowest.
+    /// By how much the change shrank from bounce to bounce in the stage before, whose rays are much like these.
     slowest: f64,
     /// Estimate of what bounces are missing, relative to the mean radiance.
     missing: f64,
@@ -65,19 +64,14 @@ pub(crate) struct Epochs {
 /// on, so that this is the bias of the result (a closed furnace of albedo .5: 3e-4 with 1e-3 here).
 const TOLERANCE: f64 = 1e-4;
 /// What a bounce's sums of 32-bit floats may round, relative: with albedo .999 in a closed room 2.7e-4 of the light stays
-/// missing, half of what this makes of it. Bounces end where the change is a quarter of this, or less than it for so many bounces.
+/// missing, half of what this makes of it. Bounces end where the change is a quarter of this.
 const ROUNDING: f64 = 8.0 / (1 << 24) as f64;
-const MOST_ROUNDED: usize = 256;
+/// They also end where the change is below [`ROUNDING`] this often in a row.
+const MOST_ROUNDED: usize = 2048;
 /// What may be missing after the pilot, whose noise is more than that.
 const PILOT_TOLERANCE: f64 = 0.02;
 /// Bounces of a pilot at most: other rays in each of them are no series that converges.
 const MOST_PILOT_BOUNCES: u32 = 16;
-/// Bounces after which a stage's change may be extrapolated, and again after each extrapolation.
-const SETTLING: usize = 8;
-/// Factors that differ by this share of what a bounce does not bring back are the same one.
-const STEADY: f64 = 0.05;
-/// Changes that shrink faster than by this factor are soon gone by themselves.
-const SLOW: f64 = 0.7;
 /// Epochs over which the shrinking of the change is measured.
 const WINDOW: usize = 16;
 /// Kept quanta of one epoch are not doubled beyond this, so that the first sample of a quantum stays below 2^31.
@@ -96,7 +90,6 @@ impl Epochs {
             stage: first,
             before: 0,
             radiance: vec![radiance],
-            since: 0,
             emitted: radiance,
             lit: radiance,
             slowest: 0.0,
@@ -110,9 +103,7 @@ impl Epochs {
     pub(crate) fn next(&mut self) -> Epoch {
         if self.stage == Stage::Pilot && self.is_pilot_done() {
             let changes = self.changes();
-            if changes.len() > 1 {
-                self.slowest = self.ratio(&changes);
-            }
+            self.slowest = if changes.len() > 1 { self.ratio(&changes) } else { 0.0 };
             self.stage = Stage::Last;
             self.begin_stage();
             if self.restarts() {
@@ -191,7 +182,11 @@ impl Epochs {
             self.rounded = MOST_ROUNDED;
         }
         self.missing = if radiance > 0.0 { change.max(least) * ratio / (1.0 - ratio) / radiance } else { 0.0 };
-        Self::check_finite(radiance)?;
+        if !radiance.is_finite() {
+            let context =
+                "the scene's radiance is more than a 32-bit float holds: its lights or its extent are too large";
+            return Err(Error::new(ErrorKind::InvalidScene, context));
+        }
         if self.growing() >= GROWING && radiance > self.lit * 1e6 {
             return Err(Error::new(
                 ErrorKind::InvalidScene,
@@ -201,44 +196,9 @@ impl Epochs {
         Ok(())
     }
 
-    fn check_finite(radiance: f64) -> Result<()> {
-        if radiance.is_finite() {
-            return Ok(());
-        }
-        let context = "the scene's radiance is more than a 32-bit float holds: its lights or its extent are too large";
-        Err(Error::new(ErrorKind::InvalidScene, context))
-    }
-
-    /// By how many of its changes the next bounce is to go on beyond itself; 0: by none. Once everything changes by the same
-    /// factor (lambda) from bounce to bounce, all further bounces together are lambda / (1 - lambda) of one's change (Aitken).
-    /// In a closed room of albedo .99 a few bounces then do what 900 did.
-    pub(crate) fn extrapolation(&self) -> f64 {
-        let changes = self.changes();
-        let steady = |[before, middle, last]: [f64; 3]| {
-            let (first, second) = (middle / before, last / middle);
-            let is_steady = (second - first).abs() <= STEADY * (1.0 - second);
-            (is_steady && (SLOW..=self.max_albedo).contains(&second)).then(|| second / (1.0 - second))
-        };
-        let [.., a, b, c] = changes[..] else { return 0.0 };
-        let is_due = self.bounces == Bounces::Auto && changes.len() >= SETTLING && self.missing > TOLERANCE;
-        steady([a, b, c]).filter(|_| is_due).unwrap_or(0.0)
-    }
-
-    /// The source map's mean radiance after a bounce that went on beyond itself.
-    ///
-    /// # Errors
-    /// As [`Epochs::bounced`].
-    pub(crate) fn extrapolated(&mut self, radiance: f64) -> Result<()> {
-        self.slowest = self.ratio(&self.changes());
-        self.radiance.push(radiance);
-        self.since = self.radiance.len() - 1;
-        (self.missing, self.rounded) = (f64::INFINITY, 0);
-        Self::check_finite(radiance)
-    }
-
     /// Of the mean radiance, from bounce to bounce.
     fn changes(&self) -> Vec<f64> {
-        self.radiance[self.since..].windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect()
+        self.radiance.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect()
     }
 
     /// Bounces in a row, up to the last, in which the change has grown.
@@ -283,7 +243,7 @@ impl Epochs {
         let last = self.radiance.len() - 1;
         self.before += last as u32;
         self.radiance.drain(..last);
-        self.since = 0;
+        self.rounded = 0;
     }
 
     /// Bounces in the source map so far, those of kept epochs not counted.

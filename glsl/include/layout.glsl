@@ -146,7 +146,7 @@ layout(push_constant, std430) uniform Push {
     uint first_level;     // importance: of the pyramid; clusters: which is the first
     uint end_level;
     uint first_sample;    // bake: of quantum 0, for the random numbers
-    float history;        // bake, dynamic: what the running average weighs, in quanta; bounce: how many of its changes more
+    float history;        // bake, dynamic: what the running average weighs, in quanta
     uint link_stride;     // bake, bounce: from a texel's link to its next one; bake: 0 = none is kept
 } push;
 

@@ -12,10 +12,8 @@ fn run(albedo: f64, rounded: fn(f64) -> f64) -> (u32, f64) {
     let mut epochs = Epochs::new(Bounces::Auto, Stage::Last, albedo, 1.0);
     let mut radiance = 1.0;
     while epochs.next() == LAST {
-        let bounced = rounded(1.0 + albedo * radiance);
-        let beyond = epochs.extrapolation();
-        radiance = bounced + (bounced - radiance) * beyond;
-        if beyond > 0.0 { epochs.extrapolated(radiance) } else { epochs.bounced(radiance) }.expect("converges");
+        radiance = rounded(1.0 + albedo * radiance);
+        epochs.bounced(radiance).expect("converges");
     }
     (epochs.bounces_done(), 1.0 - radiance * (1.0 - albedo))
 }
@@ -26,36 +24,8 @@ fn a_furnace_converges_to_the_tolerance() {
         let (bounces, error) = furnace(albedo);
         assert!(error <= TOLERANCE * 1.01, "albedo {albedo}: {error} left after {bounces}");
         let expected = TOLERANCE.ln() / albedo.ln();
-        assert!(
-            f64::from(bounces) <= expected.min(25.0) + 3.0,
-            "albedo {albedo}: {bounces} bounces, {expected} are enough"
-        );
+        assert!(f64::from(bounces) <= expected + 3.0, "albedo {albedo}: {bounces} bounces, {expected} are enough");
     }
-}
-
-/// Light in a closed room and, behind a door, in a darker one: two factors.
-#[test]
-fn what_shrinks_slowly_is_extrapolated() {
-    for (fast, slow) in [(0.3, 0.99), (0.9, 0.99), (0.95, 0.96), (0.5, 0.8)] {
-        let mut epochs = Epochs::new(Bounces::Auto, Stage::Last, slow, 2.0);
-        let mut modes = [1.0, 1.0];
-        while epochs.next() == LAST {
-            let bounced = [1.0 + fast * modes[0], 1.0 + slow * modes[1]];
-            let beyond = epochs.extrapolation();
-            modes = [0, 1].map(|mode| bounced[mode] + (bounced[mode] - modes[mode]) * beyond);
-            let radiance = modes[0] + modes[1];
-            if beyond > 0.0 { epochs.extrapolated(radiance) } else { epochs.bounced(radiance) }.expect("converges");
-        }
-        let wanted = 1.0 / (1.0 - fast) + 1.0 / (1.0 - slow);
-        let (bounces, error) = (epochs.bounces_done(), (modes[0] + modes[1]) / wanted - 1.0);
-        println!("{fast} and {slow}: {bounces} bounces, off by {error:e}");
-        assert!(error.abs() <= 2.0 * TOLERANCE, "{fast} and {slow}: off by {error}");
-        let one_by_one = TOLERANCE.ln() / slow.ln();
-        assert!(f64::from(bounces) < 0.75 * one_by_one, "{fast} and {slow}: {bounces}, {one_by_one} one by one");
-    }
-    let mut limited = Epochs::new(Bounces::Limit(64), Stage::Last, 0.99, 1.0);
-    (1..32).try_for_each(|bounce| limited.bounced((1.0 - 0.99_f64.powi(bounce + 1)) * 100.0)).expect("converges");
-    assert_eq!(limited.extrapolation(), 0.0);
 }
 
 /// The device's sums are of 32-bit floats: near the end a change is a few of their steps.

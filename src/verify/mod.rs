@@ -86,7 +86,8 @@ impl Case {
         Self { name, subject: Subject::Conduct, run }
     }
 
-    /// Runs it: seconds, which a bake cannot be kept from.
+    /// Runs it: seconds, which a bake cannot be kept from. Some cases play an engine on the device's queue: nothing else may
+    /// submit to that meanwhile.
     pub fn run(&self, gpu: &Gpu) -> Verdict {
         let started = Instant::now();
         let mut checks = Checks::default();

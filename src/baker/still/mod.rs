@@ -253,13 +253,9 @@ impl Still {
     /// What was gathered becomes the source of the next epoch.
     fn end_epoch(&mut self, core: &mut Core, state: &mut State) -> Result<()> {
         if let Epoch::Bounce(_) = state.epoch {
-            let beyond = self.go_along_links(core, state)?;
+            self.go_along_links(core, state)?;
             let radiance = self.update_source(core)?.mean_radiance;
-            if beyond > 0.0 {
-                state.epochs.extrapolated(radiance)?
-            } else {
-                state.epochs.bounced(radiance)?
-            }
+            state.epochs.bounced(radiance)?;
             // Beside a surface the weights of a texel's few aimed rays may add up to more than the surface gives back; those
             // of rays by the cosine never do.
             if state.epochs.grows() && self.aiming.leave_bounces_to_cosine() {
@@ -300,20 +296,18 @@ impl Still {
         state.epochs.rays_are_new() || state.epoch == Epoch::Bounce(Stage::Pilot) && self.aiming.aims_all()
     }
 
-    /// A bounce whose rays have been traced before; returns by how many of its changes it went on beyond itself.
-    fn go_along_links(&self, core: &mut Core, state: &State) -> Result<f64> {
-        let Some(pass) = self.passes.bounce.as_ref().filter(|_| !self.traces(state)) else { return Ok(0.0) };
-        let beyond = state.epochs.extrapolation();
+    /// A bounce whose rays have been traced before.
+    fn go_along_links(&self, core: &mut Core, state: &State) -> Result<()> {
+        let Some(pass) = self.passes.bounce.as_ref().filter(|_| !self.traces(state)) else { return Ok(()) };
         let (rays, link_stride) = (self.rays(core, state.epoch), core.maps.links.stride());
-        let push = Push { rays, link_stride, history: beyond as f32, ..core.push };
-        let count = core.texels.count;
+        let (push, count) = (Push { rays, link_stride, ..core.push }, core.texels.count);
         for first in (0..count).step_by(LINKED_AT_ONCE as usize) {
             core.commands.run(|recorder| {
                 pass.record(recorder, &push, first..(first + LINKED_AT_ONCE).min(count));
                 Ok(())
             })?;
         }
-        Ok(beyond)
+        Ok(())
     }
 
     fn begin_epoch(&self, core: &Core, state: &mut State) {

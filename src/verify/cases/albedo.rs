@@ -51,8 +51,8 @@ fn missing_after(count: f64) -> f64 {
     left / (1.0 - left)
 }
 
-/// Bounces that all shrink alike are taken at once; what 32-bit floats round is then left, a thousandfold. It is not done
-/// before: no more is missing than it says.
+/// In thousands of bounces, until what is left is what 32-bit floats round, a thousandfold. It is not done before: no more is
+/// missing than it says.
 fn converges(gpu: &Gpu, checks: &mut Checks) -> Result<()> {
     let (map, statistics) = bake(gpu, &furnace(MAX_ALBEDO).build()?, How::new(64, Bounces::Auto).on(SIDE), 0)?;
     let (found, wanted) = (radiosity(&map), 1.0 / (1.0 - ALBEDO));
@@ -81,8 +81,8 @@ fn check_bound(checks: &mut Checks, what: &str, statistics: &Statistics, bounces
     checks.at_most(format!("the same {what}, and not far more"), told, 1.5 * missing);
 }
 
-/// Epochs: before bounces are taken at once.
-const EARLY: u32 = 5;
+/// Epochs.
+const EARLY: u32 = 100;
 
 /// Interrupted, or out of time, it says what is missing, and is not done.
 fn cut_short(gpu: &Gpu, checks: &mut Checks) -> Result<()> {

@@ -28,16 +28,23 @@ pub(crate) fn run(arguments: &Verify, start: Instant) -> Result<Ending> {
         let verdict = case.run(headless.gpu());
         let found = CaseReport::new(case, &verdict, &headless.validation_messages());
         messages::stdout(&found.text())?;
-        if verdict.error.is_some() || !found.validation.is_empty() {
-            // What a lost device, or one that broke a rule, says of the next case is not that case's.
-            headless = device::open(&arguments.device)?;
-        }
+        let is_spoilt = verdict.error.is_some() || !found.validation.is_empty();
         report.cases.push(found);
+        if is_spoilt {
+            // What a lost device, or one that broke a rule, says of the next case is not that case's.
+            match device::open(&arguments.device) {
+                Ok(opened) => headless = opened,
+                Err(error) => {
+                    messages::error(&error);
+                    break;
+                }
+            }
+        }
     }
     drop(bar);
     report.seconds = start.elapsed().as_secs_f64();
     messages::stdout(&report.tail())?;
-    if report.cases.len() < cases.len() {
+    if report.cases.len() < cases.len() && interrupt::requested() {
         messages::line("interrupted before all cases were done: nothing is written");
         return Ok(Ending::Interrupted);
     }
@@ -46,6 +53,11 @@ pub(crate) fn run(arguments: &Verify, start: Instant) -> Result<Ending> {
     }
     match report.failed() {
         0 => Ok(Ending::Done),
+        failed if report.cases.len() < cases.len() => {
+            let context =
+                format!("{failed} cases failed, and after {} the device did not open again", report.cases.len());
+            Err(Error::new(ErrorKind::DeviceLost, context))
+        }
         failed => Err(Error::new(ErrorKind::Driver, format!("{failed} of {} cases failed", cases.len()))),
     }
 }

@@ -142,13 +142,14 @@ impl RowReport {
         let Row { what, expected, measured, comparison, passes } = row;
         let apart = measured - expected;
         let (name, difference, bound) = match *comparison {
-            Comparison::Estimate { standard_error, tolerance, .. } => {
+            Comparison::Estimate { standard_error, tolerance, resolution } => {
                 let beside = if tolerance > 0.0 { format!(" + {tolerance:.1e}") } else { String::new() };
                 // All rays may see the same.
                 let is_noise = standard_error > 0.01 * tolerance;
                 let difference =
                     if is_noise { format!("{:+.2} sigma", apart / standard_error) } else { format!("{apart:+.1e}") };
-                ("estimate", difference, format!("4 sigma{beside}"))
+                let noise = if 4.0 * standard_error <= resolution { "" } else { ", too noisy" };
+                ("estimate", difference, format!("4 sigma{beside}{noise}"))
             }
             Comparison::Within(bound) => ("within", format!("{apart:+.1e}"), format!("{bound:.1e}")),
             Comparison::Relative(bound) => {
