@@ -123,6 +123,12 @@ pub struct Stage {
     pub desc: SceneDesc,
 }
 
+impl Default for Stage {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 impl Stage {
     pub fn new() -> Self {
         Self { desc: SceneDesc { name: "stage".into(), ..SceneDesc::default() } }

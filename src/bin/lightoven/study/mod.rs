@@ -55,9 +55,12 @@ fn stiffness(gpu: &Gpu, bar: &Bar) -> Result<Option<Report>> {
     Ok(Some(Report::Stiffness(Stiffness::new(gpu, &albedos))))
 }
 
+/// Bakes the same scene in several ways.
+type Measure = fn(&Gpu) -> Result<Vec<study::Deviation>>;
+
 fn precision(gpu: &Gpu, bar: &Bar) -> Result<Option<Report>> {
     let mut studies = Vec::new();
-    let all: [(&str, fn(&Gpu) -> Result<Vec<study::Deviation>>); 3] =
+    let all: [(&str, Measure); 3] =
         [("scale", study::scales), ("offset", study::offsets), ("radiance", study::radiances)];
     for (name, study) in all {
         if interrupt::requested() {
