@@ -65,9 +65,9 @@ pub(crate) fn run(arguments: &Verify, start: Instant) -> Result<Ending> {
 /// Cases whose subject and name, as in "closed form 4 parallel unit squares", hold one of these; all for none.
 fn selected(only: &[String]) -> Result<Vec<&'static Case>> {
     let title = |case: &Case| format!("{} {}", case.subject, case.name).to_lowercase();
-    let is_meant = |case: &&Case| only.is_empty() || only.iter().any(|name| title(case).contains(&name.to_lowercase()));
+    let is_meant = |case: &&Case| only.is_empty() || only.iter().any(|name| holds(&title(case), name));
     for name in only {
-        if !verify::cases().any(|case| title(case).contains(&name.to_lowercase())) {
+        if !verify::cases().any(|case| holds(&title(case), name)) {
             return Err(Error::new(
                 ErrorKind::InvalidSettings,
                 format!(
@@ -78,4 +78,26 @@ fn selected(only: &[String]) -> Result<Vec<&'static Case>> {
         }
     }
     Ok(verify::cases().filter(is_meant).collect())
+}
+
+/// Whether a title has this in it, in capitals or not. A number is meant whole: "closed form 1" is not "closed form 12".
+fn holds(title: &str, name: &str) -> bool {
+    let name = name.to_lowercase();
+    let is_digit = |c: Option<char>| c.is_some_and(|c| c.is_ascii_digit());
+    let cuts_number = |end: usize| is_digit(name.chars().last()) && is_digit(title[end..].chars().next());
+    title.match_indices(&name).any(|(start, _)| !cuts_number(start + name.len()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::holds;
+
+    #[test]
+    fn numbers_are_meant_whole() {
+        let title = "closed form 12 spot light";
+        assert!(
+            holds(title, "Closed Form 12") && holds(title, "spot") && holds(title, "form 12 s") && holds(title, "")
+        );
+        assert!(!holds(title, "closed form 1") && !holds(title, "closed form 2") && !holds(title, "sun"));
+    }
 }
