@@ -19,6 +19,13 @@ pub enum Bounces {
     Limit(u32),
 }
 
+impl Bounces {
+    /// Missing bounces below this share of the mean radiance are not worth an epoch: [`Bounces::Auto`] ends there. Samples are
+    /// kept from sources from here on, so that this is the bias of the result (a closed furnace of albedo .5: 3e-4 with
+    /// 1e-3 here).
+    pub const TOLERANCE: f64 = 1e-4;
+}
+
 /// What to do next.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Epoch {
@@ -60,9 +67,6 @@ pub(crate) struct Epochs {
     kept: u32,
 }
 
-/// Missing bounces below this share of the mean radiance are not worth an epoch. Kept epochs average over sources from here
-/// on, so that this is the bias of the result (a closed furnace of albedo .5: 3e-4 with 1e-3 here).
-const TOLERANCE: f64 = 1e-4;
 /// What a bounce's sums of 32-bit floats may round, relative: with albedo .999 in a closed room 2.7e-4 of the light stays
 /// missing, half of what this makes of it. Bounces end where the change is a quarter of this.
 const ROUNDING: f64 = 8.0 / (1 << 24) as f64;
@@ -148,7 +152,9 @@ impl Epochs {
         match self.bounces {
             _ if self.max_albedo == 0.0 || self.kept > 0 => false,
             Bounces::Limit(limit) => self.bounces_done() < limit,
-            Bounces::Auto => self.done_in_stage() < 2 || self.missing > TOLERANCE && self.rounded < MOST_ROUNDED,
+            Bounces::Auto => {
+                self.done_in_stage() < 2 || self.missing > Bounces::TOLERANCE && self.rounded < MOST_ROUNDED
+            }
         }
     }
 

@@ -105,6 +105,7 @@ impl Aiming {
         self.mean_luminance = sums.evidence.mean_luminance();
         statistics.sampling.invalid_texels = sums.invalid;
         statistics.sampling.evenness = Some(sums.evidence.evenness() as f32);
+        statistics.sampling.power = Some(sums.evidence.power);
         statistics.sampling.pyramids += 1;
         match occasion {
             Occasion::NewSource => self.chooser.begin(&sums.evidence, core.scene.sky_shines),

@@ -4,6 +4,7 @@
 mod aiming;
 mod frames;
 mod gather_bench;
+mod keeping;
 mod memory;
 mod progress;
 mod setup;

@@ -22,8 +22,8 @@ fn run(albedo: f64, rounded: fn(f64) -> f64) -> (u32, f64) {
 fn a_furnace_converges_to_the_tolerance() {
     for albedo in [0.1, 0.5, 0.9, 0.99] {
         let (bounces, error) = furnace(albedo);
-        assert!(error <= TOLERANCE * 1.01, "albedo {albedo}: {error} left after {bounces}");
-        let expected = TOLERANCE.ln() / albedo.ln();
+        assert!(error <= Bounces::TOLERANCE * 1.01, "albedo {albedo}: {error} left after {bounces}");
+        let expected = Bounces::TOLERANCE.ln() / albedo.ln();
         assert!(f64::from(bounces) <= expected + 3.0, "albedo {albedo}: {bounces} bounces, {expected} are enough");
     }
 }
@@ -33,7 +33,7 @@ fn a_furnace_converges_to_the_tolerance() {
 fn rounding_does_not_look_like_convergence() {
     for albedo in [0.95, 0.98, 0.99, 0.998, 0.999] {
         let (bounces, error) = run(albedo, |radiance| f64::from(radiance as f32));
-        assert!(error <= 2.0 * TOLERANCE, "albedo {albedo}: {error} left after {bounces}");
+        assert!(error <= 2.0 * Bounces::TOLERANCE, "albedo {albedo}: {error} left after {bounces}");
     }
 }
 
@@ -71,7 +71,7 @@ fn the_last_stage_converges_from_the_pilots_source() {
             epochs.bounced(radiance).expect("converges");
         }
         let wanted = emitted / (1.0 - albedo);
-        assert!((radiance / wanted - 1.0).abs() < 2.0 * TOLERANCE, "{radiance} is not {wanted}");
+        assert!((radiance / wanted - 1.0).abs() < 2.0 * Bounces::TOLERANCE, "{radiance} is not {wanted}");
         assert!((2..epochs.bounces_done()).contains(&pilots), "{pilots} of {}", epochs.bounces_done());
     }
 }

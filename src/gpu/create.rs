@@ -1,6 +1,6 @@
 //! Makes an instance and a device of our own.
 
-use super::device::{Backend, Gpu, Loaded, OwnedInstance, Owner, RawQueue};
+use super::device::{Backend, Gpu, Loaded, OwnedInstance, Owner, Queue, RawQueue};
 use super::info::{DeviceInfo, Messages, describe, queue_family};
 use super::requirements::{FeatureChain, Requirements};
 use super::vulkan_error;
@@ -120,6 +120,7 @@ pub(crate) fn create_device(owned: OwnedInstance, index: usize, backend: Backend
         .map_err(|result| vulkan_error("create the device", result))?;
     // SAFETY: the queue was asked for above.
     let queue = RawQueue { handle: unsafe { device.get_device_queue(family, 0) }, family };
+    let queue = Queue::new(queue, &owned.instance, physical_device);
     let debug_utils = owned.messenger.is_some();
     let instance = owned.instance.clone();
     let owner = Owner { device: device.clone(), _instance: owned };

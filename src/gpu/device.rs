@@ -103,8 +103,8 @@ pub(super) struct Inner {
     // Dropped in this order: memory before the device that it belongs to.
     allocator: Mutex<Allocator>,
     pub(super) device: ash::Device,
-    queue: Queue,
-    compute_queue: Option<Queue>,
+    queue: Arc<Queue>,
+    compute_queue: Option<Arc<Queue>>,
     pub(super) debug: Option<ext::debug_utils::Device>,
     pub(super) acceleration: Option<khr::acceleration_structure::Device>,
     pub(super) info: DeviceInfo,
@@ -124,7 +124,7 @@ enum Keeper {
     Lender(#[expect(dead_code, reason = "held to be dropped last")] Gpu),
 }
 
-/// A queue, for one thread at a time.
+/// A queue, for one thread at a time, whichever [`Gpu`] it submits by.
 pub(super) struct Queue {
     handle: Mutex<vk::Queue>,
     pub(super) family: u32,
@@ -133,9 +133,9 @@ pub(super) struct Queue {
 }
 
 impl Queue {
-    fn new(raw: RawQueue, instance: &ash::Instance, physical_device: vk::PhysicalDevice) -> Self {
+    pub(super) fn new(raw: RawQueue, instance: &ash::Instance, physical_device: vk::PhysicalDevice) -> Arc<Self> {
         let timestamps = super::info::timestamps(instance, physical_device, raw.family);
-        Self { handle: Mutex::new(raw.handle), family: raw.family, timestamps }
+        Arc::new(Self { handle: Mutex::new(raw.handle), family: raw.family, timestamps })
     }
 
     /// The queue, for this thread alone while the guard lives.
@@ -149,8 +149,8 @@ pub(super) struct Loaded {
     pub(super) instance: ash::Instance,
     pub(super) physical_device: vk::PhysicalDevice,
     pub(super) device: ash::Device,
-    pub(super) queue: RawQueue,
-    pub(super) compute_queue: Option<RawQueue>,
+    pub(super) queue: Arc<Queue>,
+    pub(super) compute_queue: Option<Arc<Queue>>,
     pub(super) backend: Backend,
     pub(super) debug_utils: bool,
 }
@@ -263,12 +263,13 @@ impl Gpu {
         };
         let requirements = Requirements::find(&instance, raw.physical_device, choice)?;
         requirements.check(raw.device_extensions, raw.features)?;
+        let queue = |queue| Queue::new(queue, &instance, raw.physical_device);
         let loaded = Loaded {
-            instance,
             physical_device: raw.physical_device,
             device,
-            queue: raw.queue,
-            compute_queue: raw.compute_queue.filter(|queue| queue.handle != raw.queue.handle),
+            queue: queue(raw.queue),
+            compute_queue: raw.compute_queue.filter(|queue| queue.handle != raw.queue.handle).map(queue),
+            instance,
             backend: requirements.backend,
             debug_utils: raw.instance_extensions.contains(&ext::debug_utils::NAME),
         };
@@ -280,16 +281,15 @@ impl Gpu {
         Self::assemble(loaded, Keeper::Own(Box::new(owner)), index)
     }
 
-    /// The same device once more, called by these functions and not our own.
+    /// The same device and queues once more, called by these functions and not our own.
     pub(super) fn lent(&self, device: ash::Device) -> Result<Self> {
         let inner = &self.inner;
-        let raw = |queue: &Queue| RawQueue { handle: *queue.lock(), family: queue.family };
         let loaded = Loaded {
             instance: inner.instance.clone(),
             physical_device: inner.physical_device,
             device,
-            queue: raw(&inner.queue),
-            compute_queue: inner.compute_queue.as_ref().map(raw),
+            queue: Arc::clone(&inner.queue),
+            compute_queue: inner.compute_queue.clone(),
             backend: inner.backend,
             debug_utils: inner.debug.is_some(),
         };
@@ -314,8 +314,8 @@ impl Gpu {
             acceleration: (backend == Backend::RayQuery)
                 .then(|| khr::acceleration_structure::Device::new(&instance, &device)),
             device,
-            queue: Queue::new(queue, &instance, physical_device),
-            compute_queue: compute_queue.map(|queue| Queue::new(queue, &instance, physical_device)),
+            queue,
+            compute_queue,
             info,
             backend,
             instance,
@@ -353,7 +353,7 @@ impl Gpu {
 
     /// The queue for work of our own within frames.
     pub(super) fn compute_queue(&self) -> &Queue {
-        self.inner.compute_queue.as_ref().unwrap_or(&self.inner.queue)
+        self.inner.compute_queue.as_deref().unwrap_or(&self.inner.queue)
     }
 
     /// The queues' families where they are two: memory is then shared between them.

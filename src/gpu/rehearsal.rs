@@ -11,8 +11,7 @@ thread_local! {
 }
 
 impl Gpu {
-    /// The same device, as if it were an engine's, with memory of its own. Used by one thread, which leaves this one alone
-    /// meanwhile.
+    /// The same device, as if it were an engine's, with memory of its own.
     pub(crate) fn as_of_an_engine(&self) -> Result<Self> {
         self.lent(self.device().clone())
     }

@@ -86,8 +86,7 @@ impl Case {
         Self { name, subject: Subject::Conduct, run }
     }
 
-    /// Runs it: seconds, which a bake cannot be kept from. Some cases play an engine on the device's queue: nothing else may
-    /// submit to that meanwhile.
+    /// Runs it: seconds, which nothing ends before. Of an engine's device nobody else uses the queues meanwhile.
     pub fn run(&self, gpu: &Gpu) -> Verdict {
         let started = Instant::now();
         let mut checks = Checks::default();

@@ -12,6 +12,17 @@ impl Random {
         (self.0 >> 40) as f32 / 16_777_216.0
     }
 
+    /// Below `count`, which is at most 2^24.
+    pub(super) fn below(&mut self, count: usize) -> usize {
+        (f64::from(self.unit()) * count as f64) as usize
+    }
+
+    /// Along an axis, either way.
+    pub(super) fn axis(&mut self) -> Vec3 {
+        let axis = self.below(6);
+        Vec3::AXES[axis % 3] * if axis < 3 { 1.0 } else { -1.0 }
+    }
+
     /// Each coordinate in `[-1, 1)`.
     pub(super) fn vector(&mut self) -> Vec3 {
         Vec3::new(self.unit(), self.unit(), self.unit()) * 2.0 - 1.0

@@ -63,10 +63,18 @@ fn buffers_that_are_missing_or_short() {
     assert_refused(with(json!({ "byteLength": 8 })), InvalidScene, &["buffer 0 has no URI"]);
     let short = with(json!({ "byteLength": 99, "uri": "short.bin" }));
     assert_refused(short, InvalidScene, &["buffer 0", "short.bin", "8 bytes", "99"]);
-    assert_refused(with(json!({ "byteLength": 8, "uri": "/" })), Io, &["buffer 0", "a folder"]);
-    assert_refused(with(json!({ "byteLength": 8, "uri": "/dev/zero" })), Io, &["buffer 0", "/dev/zero"]);
+    assert_refused(with(json!({ "byteLength": 8, "uri": "." })), Io, &["buffer 0", "a folder"]);
+    assert_refused(with(json!({ "byteLength": 8, "uri": "/dev/zero" })), InvalidScene, &["buffer 0", "relative"]);
+    // However deep the folder is: above the root is the root.
+    let endless = "../".repeat(32) + "dev/zero";
+    assert_refused(with(json!({ "byteLength": 8, "uri": endless })), Io, &["buffer 0", "/dev/zero"]);
     assert_refused(with(json!({ "byteLength": 8, "uri": "a%ff.bin" })), InvalidScene, &["buffer 0", "a%ff", "UTF-8"]);
     assert_refused(with(json!({ "byteLength": 8, "uri": "%00" })), InvalidScene, &["buffer 0", "names no file"]);
+    assert_refused(
+        with(json!({ "byteLength": 8, "uri": "%2Fetc/hostname" })),
+        InvalidScene,
+        &["buffer 0", "relative paths"],
+    );
     let web = with(json!({ "byteLength": 8, "uri": "https://a.example/b.bin" }));
     assert_refused(web, Unsupported, &["buffer 0", "https"]);
     assert_refused(with(json!({ "byteLength": 8, "uri": "data:;base64,*" })), InvalidScene, &["buffer 0", "base64"]);

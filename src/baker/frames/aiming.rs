@@ -132,6 +132,7 @@ impl Aiming {
             self.awaited = None;
             let sums = pass.read_sums(core.texels.count);
             core.statistics.sampling.evenness = Some(sums.evidence.evenness() as f32);
+            core.statistics.sampling.power = Some(sums.evidence.power);
             self.mean_luminance = sums.evidence.mean_luminance();
             core.statistics.sampling.invalid_texels = sums.invalid;
             if aimed {

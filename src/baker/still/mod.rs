@@ -89,15 +89,23 @@ impl Still {
         self.baked += clock.elapsed() - before;
         self.resolve(core, &state, state.mean_luminance)?;
         core.statistics.bounces_missing = state.epochs.missing() as f32;
-        if stretch == Stretch::Whole && matches!(state.epoch, Epoch::Bounce(_)) && core.texels.count > 0 {
-            // Of all the light that there will be, not of what is there.
-            let missing = state.epochs.missing() / (1.0 + state.epochs.missing());
-            let share =
-                if missing.is_finite() { format!("{:.2} %", 100.0 * missing) } else { "an unknown part".into() };
-            core.statistics.warn(format!("the bounces have not converged: {share} of the light is missing"));
-        }
         self.state = Some(state);
+        if stretch == Stretch::Whole {
+            self.tell_missing(core);
+        }
         Ok(outcome)
+    }
+
+    /// Warns where the bake ends before light has been reflected as often as it should.
+    pub(super) fn tell_missing(&self, core: &mut Core) {
+        let Some(State { epoch: Epoch::Bounce(_), epochs, .. }) = &self.state else { return };
+        if core.texels.count == 0 {
+            return;
+        }
+        // Of all the light that there will be, not of what is there.
+        let missing = epochs.missing() / (1.0 + epochs.missing());
+        let share = if missing.is_finite() { format!("{:.2} %", 100.0 * missing) } else { "an unknown part".into() };
+        core.statistics.warn(format!("the bounces have not converged: {share} of the light is missing"));
     }
 
     /// The first source map, which emits and does not reflect, and light from analytic lights.

@@ -6,15 +6,18 @@ use crate::paths;
 use crate::progress::{Bar, Visibility};
 use crate::report::{Measured, Report, write_json};
 use crate::{device, interrupt, load, messages};
-use lightoven::Result;
 use lightoven::baker::{BakeSettings, Baker, LightMap, Outcome};
 use lightoven::headless::Headless;
 use lightoven::io::exr::{Metadata, write_light_map};
 use lightoven::io::preview;
 use lightoven::scene::Scene;
+use lightoven::{ErrorKind, Result};
 use std::fmt::Write as _;
 use std::ops::ControlFlow;
-use std::time::Instant;
+use std::time::{Duration, Instant};
+
+/// How often the light map is read back, so that a device that is lost takes no more than this along.
+const KEPT_EVERY: Duration = Duration::from_secs(10);
 
 /// Bakes; `start` is when the command began.
 pub(crate) fn run(arguments: &Bake, start: Instant) -> Result<Ending> {
@@ -45,16 +48,31 @@ pub(crate) fn run(arguments: &Bake, start: Instant) -> Result<Ending> {
         return Ok(nothing_written());
     }
 
-    let outcome = baker.bake(&arguments.stop(), &mut |progress| {
-        bar.show(progress);
-        if interrupt::requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-    })?;
-    let light_map = baker.read_back()?;
+    let mut kept = None;
+    let baked = baker.bake_keeping(
+        &arguments.stop(),
+        KEPT_EVERY,
+        &mut |progress| {
+            bar.show(progress);
+            if interrupt::requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        },
+        &mut |light_map, statistics| kept = Some((light_map, statistics.samples_per_texel)),
+    );
+    let finished = baked.and_then(|outcome| Ok((outcome, baker.read_back()?)));
+    let metadata = |samples| metadata(&scene, &headless, samples, arguments.seed);
+    let (outcome, light_map) = match (finished, kept) {
+        (Ok(finished), _) => finished,
+        (Err(error), Some((light_map, samples))) if error.kind() == ErrorKind::DeviceLost => {
+            write_kept(arguments, &light_map, &metadata(samples))?;
+            return Err(error);
+        }
+        (Err(error), _) => return Err(error),
+    };
     device::fail_on_validation(&headless)?;
 
     bar.say("writing");
     let writing = Instant::now();
-    write_images(arguments, &light_map, &metadata(&scene, &headless, &baker, arguments.seed))?;
+    write_images(arguments, &light_map, &metadata(baker.statistics().samples_per_texel))?;
     let measured = Measured { load, write: writing.elapsed().as_secs_f64(), total: start.elapsed().as_secs_f64() };
     let warnings = warnings(&scene, layout_warning, &baker, &light_map);
     warnings.iter().for_each(|warning| tracing::warn!("{warning}"));
@@ -71,11 +89,11 @@ fn nothing_written() -> Ending {
     Ending::Interrupted
 }
 
-fn metadata(scene: &Scene, headless: &Headless, baker: &Baker, seed: u64) -> Metadata {
+fn metadata(scene: &Scene, headless: &Headless, samples: f64, seed: u64) -> Metadata {
     Metadata {
         scene: scene.name().to_owned(),
         seed,
-        samples: baker.statistics().samples_per_texel,
+        samples,
         device: headless.gpu().info().name.clone(),
         version: concat!("lightoven ", env!("CARGO_PKG_VERSION")).to_owned(),
     }
@@ -87,6 +105,16 @@ fn write_images(arguments: &Bake, light_map: &LightMap, metadata: &Metadata) -> 
         Some(path) => preview::write_preview(path, light_map),
         None => Ok(()),
     }
+}
+
+/// What was baked when the light map was last read back, before the device was lost.
+fn write_kept(arguments: &Bake, light_map: &LightMap, metadata: &Metadata) -> Result<()> {
+    write_images(arguments, light_map, metadata)?;
+    let (path, samples) = (arguments.output.display(), metadata.samples);
+    messages::line(&format!(
+        "the device was lost: '{path}' holds what was baked until then, {samples:.1} samples a texel"
+    ));
+    Ok(())
 }
 
 fn warnings(scene: &Scene, layout: Option<String>, baker: &Baker, light_map: &LightMap) -> Vec<String> {

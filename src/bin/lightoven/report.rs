@@ -51,6 +51,8 @@ pub(crate) struct Sampling {
     visible: Visible,
     /// 1: all surfaces shine alike; toward 0 the smaller the part that shines. `null` where no ray may be aimed.
     evenness: Option<f32>,
+    /// What all surfaces shine: luminance times area. `null` where no ray may be aimed.
+    power: Option<f64>,
     pyramids: u64,
 }
 
@@ -88,6 +90,7 @@ impl Sampling {
             },
             visible: Visible { source: statistics.source_seen, sky: statistics.sky_seen },
             evenness: statistics.evenness,
+            power: statistics.power,
             pyramids: statistics.pyramids,
         }
     }

@@ -36,6 +36,9 @@ pub(super) fn read_uri(uri: &str, folder: &Path, what: impl Fn() -> String) -> R
     if relative.is_empty() || relative.contains('\0') {
         return Err(Error::scene(format!("{}: its URI '{uri}' names no file", what())));
     }
+    if Path::new(&relative).has_root() {
+        return Err(Error::scene(format!("{}: its URI '{uri}' is absolute; allowed are relative paths", what())));
+    }
     read_file(&folder.join(relative), what)
 }
 

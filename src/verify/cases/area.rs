@@ -1,6 +1,6 @@
 //! Case 20: the area of a chart's texels is the surface's, and sums of luminance times area are what surfaces shine. The
-//! root of the pyramid is not seen from outside; a wrong one would make every aimed ray's weight wrong, which other cases
-//! would show.
+//! root of the pyramid itself is not seen from outside; a wrong one would make every aimed ray's weight wrong, which other
+//! cases would show.
 
 use super::{Case, Checks};
 use crate::baker::{Bounces, Sampling};
@@ -81,6 +81,8 @@ fn evenness(gpu: &Gpu, checks: &mut Checks) -> Result<()> {
     let how = How::new(64, Bounces::Limit(0)).by(Sampling::Mixture { cosine: 0.5 });
     let (_, statistics) = bake(gpu, &stage.build()?, how, 0)?;
     let found = statistics.sampling.evenness.ok_or_else(|| broken("the bake tells no evenness".into()))?;
+    let shines = statistics.sampling.power.ok_or_else(|| broken("the bake tells no power".into()))?;
+    checks.relative("power of the light", shines, power, 1e-5);
     checks.relative("evenness of the light", f64::from(found), power * power / (area * squared), 1e-5);
     Ok(())
 }

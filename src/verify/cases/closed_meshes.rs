@@ -6,6 +6,7 @@ use crate::error::Result;
 use crate::gpu::{Backend, Gpu};
 use crate::scene::{Atlas, MeshPart, Resolution};
 use crate::tracer::Tracer;
+use crate::verify::random::Random;
 use crate::verify::stage::Stage;
 use glam::{DAffine3, DQuat, DVec3, Vec2, Vec3};
 
@@ -15,34 +16,10 @@ pub(super) const CASES: [Case; 3] = [
     Case::extreme(15, "rays in a ball, stretched and mirrored", stretched),
 ];
 
-const RAYS: usize = 70_000;
-
-/// splitmix64
-struct Random(u64);
-
-impl Random {
-    fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
-    }
-
-    /// Below 1.
-    fn unit(&mut self) -> f32 {
-        (self.bits() >> 40) as f32 / (1 << 24) as f32
-    }
-
-    fn point(&mut self, half: f32) -> Vec3 {
-        (Vec3::new(self.unit(), self.unit(), self.unit()) * 2.0 - 1.0) * half
-    }
-
-    fn axis(&mut self) -> Vec3 {
-        let bits = self.bits();
-        Vec3::AXES[bits as usize % 3] * if bits & 8 == 0 { 1.0 } else { -1.0 }
-    }
-}
+/// Of each kind on the device: ten million in all.
+const RAYS: usize = 1_000_000;
+/// The first of these, which the host traces too.
+const HOST_RAYS: usize = 25_000;
 
 type Triangles = Vec<[Vec3; 3]>;
 
@@ -73,13 +50,14 @@ fn sphere(side: usize) -> Triangles {
 struct Closed {
     bvh: Bvh,
     tracer: Tracer,
-    /// Share of rays that the device may lose.
-    allowance: f64,
+    /// Whether the driver traces, and does so in software.
+    is_drivers: bool,
 }
 
 /// Vulkan asks drivers for watertight triangles too (Ray Traversal, Watertightness), and where they trace in software they
-/// do not all keep to it: Mesa 25.0's lavapipe loses 326 of 70,000 rays that are aimed at a ball's corners and edges.
-const LOST_BY_SOFTWARE_RAY_QUERIES: f64 = 0.01;
+/// do not all keep to it: Mesa 25.0's lavapipe loses 18,292 of a million rays that are aimed at a ball's corners, and none
+/// of the others.
+const LOST_BY_SOFTWARE_RAY_QUERIES: f64 = 0.03;
 
 impl Closed {
     fn new(gpu: &Gpu, triangles: &Triangles, placed: &[DAffine3]) -> Result<Self> {
@@ -94,23 +72,42 @@ impl Closed {
         let scene = stage.build()?;
         let bvh = Bvh::build(&scene, &Atlas::new(&scene, Resolution::Texels(8))?)?;
         let is_drivers = gpu.backend() == Backend::RayQuery && gpu.info().is_cpu();
-        let allowance = if is_drivers { LOST_BY_SOFTWARE_RAY_QUERIES } else { 0.0 };
-        Ok(Self { tracer: Tracer::new(gpu, &scene, &bvh)?, bvh, allowance })
+        Ok(Self { tracer: Tracer::new(gpu, &scene, &bvh)?, bvh, is_drivers })
     }
 
-    /// Each ray hits a back, and any-hit queries say so too.
-    fn check(&mut self, checks: &mut Checks, what: &str, rays: &[Ray]) -> Result<()> {
+    /// Each ray hits a back, and any-hit queries say so too. The driver may lose this share of them.
+    fn check(&mut self, checks: &mut Checks, what: &str, lost: f64, mut ray: impl FnMut() -> Ray) -> Result<()> {
         let leaves = |hit: &Option<Hit>| hit.is_none_or(|hit| hit.front_face || hit.primitive == u32::MAX);
-        let hits = self.tracer.trace(rays, &vec![None; rays.len()])?;
-        let left = hits.iter().filter(|hit| leaves(hit)).count();
-        checks.at_most(
-            format!("rays {what} that leave on the device"),
-            left as f64,
-            self.allowance * rays.len() as f64,
-        );
-        let hits = rays.iter().map(|ray| self.bvh.trace_closest(ray, None));
-        checks.count(format!("rays {what} that leave on the host"), hits.filter(leaves).count() as u64, 0);
+        let rays: Vec<Ray> = (0..RAYS).map(|_| ray()).collect();
+        let hits = self.tracer.trace(&rays, &vec![None; RAYS])?;
+        let left = hits.iter().filter(|hit| leaves(hit)).count() as f64;
+        let what = format!("rays {what} that leave");
+        match self.is_drivers && lost > 0.0 {
+            true => checks.at_most(format!("{what}, a driver's fault"), left, lost * RAYS as f64),
+            false => checks.at_most(&what, left, 0.0),
+        }
+        let hits = rays[..HOST_RAYS].iter().map(|ray| self.bvh.trace_closest(ray, None));
+        checks.count(format!("{what} on the host"), hits.filter(leaves).count() as u64, 0);
         Ok(())
+    }
+
+    /// From inside to corners and edges, and in all directions.
+    fn check_all(
+        &mut self,
+        checks: &mut Checks,
+        targets: &Triangles,
+        mut origin: impl FnMut(&mut Random) -> Vec3,
+    ) -> Result<()> {
+        let mut random = Random(11);
+        let mut from = |target: fn([Vec3; 3], &mut Random) -> Vec3| {
+            let (from, corners) = (origin(&mut random), targets[random.below(targets.len())]);
+            ray(from, target(corners, &mut random) - from)
+        };
+        self.check(checks, "to corners", LOST_BY_SOFTWARE_RAY_QUERIES, || from(|corners, _| corners[0]))?;
+        let on_edge = |corners: [Vec3; 3], random: &mut Random| corners[1].lerp(corners[2], random.unit());
+        self.check(checks, "to edges", 0.0, || from(on_edge))?;
+        let mut random = Random(12);
+        self.check(checks, "in all directions", 0.0, || ray(origin(&mut random), random.vector()))
     }
 }
 
@@ -118,42 +115,24 @@ fn ray(origin: Vec3, direction: Vec3) -> Ray {
     Ray { origin, t_min: 0.0, direction, t_max: 1e30 }
 }
 
-/// From inside to corners, along edges' points, to edges' middles and anywhere.
-fn rays(targets: &Triangles, mut origin: impl FnMut(&mut Random) -> Vec3) -> Vec<Ray> {
-    let mut random = Random(11);
-    let shoot = |index: usize| {
-        let from = origin(&mut random);
-        let corners = targets[random.bits() as usize % targets.len()];
-        let to = match index % 4 {
-            0 => corners[0],
-            1 => corners[1].lerp(corners[2], random.unit()),
-            2 => corners[0].lerp(corners[1], 0.5),
-            _ => from + random.point(1.0),
-        };
-        ray(from, to - from)
-    };
-    (0..RAYS).map(shoot).collect()
-}
-
 fn ball(gpu: &Gpu, checks: &mut Checks) -> Result<()> {
     let ball = sphere(32);
     let mut closed = Closed::new(gpu, &ball, &[DAffine3::IDENTITY])?;
-    closed.check(checks, "to corners and edges", &rays(&ball, |random| random.point(0.5)))
+    closed.check_all(checks, &ball, |random| random.vector() * 0.5)
 }
 
 /// The planes are where the squares meet, which are the sides of boxes too.
 fn grid(gpu: &Gpu, checks: &mut Checks) -> Result<()> {
-    const SQUARES: u64 = 16;
-    let grid = cube(SQUARES as usize);
+    const SQUARES: usize = 16;
+    let grid = cube(SQUARES);
     let on_grid = |random: &mut Random| {
-        let mut step = || (random.bits() % (SQUARES - 1) + 1) as f32 / SQUARES as f32 * 2.0 - 1.0;
+        let mut step = || (random.below(SQUARES - 1) + 1) as f32 / SQUARES as f32 * 2.0 - 1.0;
         Vec3::new(step(), step(), step())
     };
     let mut closed = Closed::new(gpu, &grid, &[DAffine3::IDENTITY])?;
-    closed.check(checks, "to corners and edges", &rays(&grid, on_grid))?;
+    closed.check_all(checks, &grid, on_grid)?;
     let mut random = Random(2);
-    let along_axes: Vec<Ray> = (0..RAYS / 2).map(|_| ray(on_grid(&mut random), random.axis())).collect();
-    closed.check(checks, "along axes", &along_axes)
+    closed.check(checks, "along axes", 0.0, || ray(on_grid(&mut random), random.axis()))
 }
 
 /// Among two instances, so that rays are transformed on their way.
@@ -166,5 +145,5 @@ fn stretched(gpu: &Gpu, checks: &mut Checks) -> Result<()> {
     let world = DAffine3 { translation: stretched.translation - closed.bvh.centre, ..stretched };
     let to_world = |point: Vec3| world.transform_point3(point.as_dvec3()).as_vec3();
     let targets: Triangles = ball.iter().map(|corners| corners.map(to_world)).collect();
-    closed.check(checks, "to corners and edges", &rays(&targets, |random| to_world(random.point(0.5))))
+    closed.check_all(checks, &targets, |random| to_world(random.vector() * 0.5))
 }

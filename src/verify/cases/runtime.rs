@@ -1,20 +1,23 @@
 //! An object that moves in every frame, and a device that is lost. Extremes 21 and 22.
 
-use super::slices::{baker, differing, lit_room, to_samples};
+use super::slices::{baker, baker_of, differing, lit_room, to_samples};
 use super::{Case, Checks};
-use crate::baker::{BakeSettings, Baker, FrameSettings, Outcome, Ran};
+use crate::baker::{BakeSettings, Baker, FrameSettings, Outcome, Ran, Slice};
 use crate::error::{ErrorKind, Result};
 use crate::gpu::Gpu;
 use crate::scene::{Mobility, Resolution, Scene};
+use crate::verify::estimate::broken;
 use crate::verify::live::{AMPLE, Live, SIDE};
 use crate::verify::stage::{Chart, Facing, Quad, Stage, level_square};
 use glam::{DAffine3, DVec3, Vec3};
 use std::ops::ControlFlow;
+use std::time::Duration;
 
-pub(super) const CASES: [Case; 5] = [
+pub(super) const CASES: [Case; 6] = [
     Case::extreme(21, "an object that moves in every frame", moves_in_every_frame),
     Case::extreme(21, "a shadow that moves on", shadow_moves_on),
     Case::extreme(22, "a device that is lost in a bake", lost_in_a_bake),
+    Case::extreme(22, "what is kept from a device that is lost", kept_from_a_lost_device),
     Case::extreme(22, "a device that is lost while preparing", lost_while_preparing),
     Case::extreme(22, "a device that is lost within frames", lost_within_frames),
 ];
@@ -122,6 +125,35 @@ fn lost_in_a_bake(gpu: &Gpu, checks: &mut Checks) -> Result<()> {
     let outcome = anew.bake(&to_samples(128), &mut |_| ControlFlow::Continue(()))?;
     checks.holds("a new bake finishes", outcome == Outcome::Finished);
     checks.count("texels that differ in a new bake", differing(&anew.read_back()?, &expected), 0);
+    Ok(())
+}
+
+/// A bake that hands out its light map on the way, on a device that is lost: what it handed out is a bake of fewer samples.
+fn kept_from_a_lost_device(gpu: &Gpu, checks: &mut Checks) -> Result<()> {
+    let scene = lit_room()?;
+    let lost = gpu.as_lost_after(u32::MAX)?;
+    // At the end of each slice then all texels have as many samples.
+    let whole = Slice::Texels(u32::MAX);
+    let mut baker = baker_of(&lost, &scene, whole)?;
+    let mut kept = Vec::new();
+    let outcome = baker.bake_keeping(
+        &to_samples(1 << 20),
+        Duration::ZERO,
+        &mut |_| ControlFlow::Continue(()),
+        &mut |map, statistics| {
+            kept.push((map, statistics.samples_per_texel));
+            if kept.len() == 12 {
+                lost.lose_after(10);
+            }
+        },
+    );
+    checks.holds("the bake ends with DeviceLost", kind(outcome) == Some(ErrorKind::DeviceLost));
+    checks.at_least("light maps that were handed out", kept.len() as f64, 12.0);
+    let (map, samples) = kept.pop().ok_or_else(|| broken("no light map was handed out".into()))?;
+    checks.at_least("samples of the last one", samples, 64.0);
+    let mut shorter = baker_of(gpu, &scene, whole)?;
+    shorter.bake(&to_samples(samples as u32), &mut |_| ControlFlow::Continue(()))?;
+    checks.count("texels that differ from a bake of as many samples", differing(&map, &shorter.read_back()?), 0);
     Ok(())
 }
 

@@ -41,7 +41,11 @@ fn settings(sampling: Sampling, slice: Slice) -> BakeSettings {
 }
 
 pub(super) fn baker(gpu: &Gpu, scene: &Scene) -> Result<Baker> {
-    Baker::new(gpu, scene, &settings(Sampling::Auto, Slice::default()))
+    baker_of(gpu, scene, Slice::default())
+}
+
+pub(super) fn baker_of(gpu: &Gpu, scene: &Scene, slice: Slice) -> Result<Baker> {
+    Baker::new(gpu, scene, &settings(Sampling::Auto, slice))
 }
 
 pub(super) fn to_samples(samples: u32) -> Stop {

@@ -16,7 +16,7 @@ pub(super) const CASES: [Case; 2] = [
     Case::closed_form(21, "rays in a cloud of triangles", cloud),
 ];
 
-const RAYS: usize = 100_000;
+const RAYS: usize = 500_000;
 /// A ray this near to an edge, as a share of the triangle, may pass it on either side.
 const EDGE: f32 = 1e-3;
 

@@ -1,5 +1,6 @@
 //! What is said of a study: as JSON with stable names, and as tables for people.
 
+use lightoven::baker::Bounces;
 use lightoven::gpu::Gpu;
 use lightoven::verify::study::{Bounced, Decay, Deviation, Stiffness as Room};
 use serde::Serialize;
@@ -66,9 +67,6 @@ struct DecayReport {
     left: f64,
 }
 
-/// What a bake with automatic bounces promises.
-const PROMISED: f64 = 1e-4;
-
 impl Row {
     fn new(bounced: &Bounced) -> Self {
         let Bounced { bounces, predicted, told, error } = *bounced;
@@ -82,7 +80,7 @@ impl Stiffness {
             albedo: room.albedo,
             rows: room.rows.iter().map(Row::new).collect(),
             automatic: Row::new(&room.automatic),
-            one_by_one: (PROMISED.ln() / room.albedo.ln() - 1.0).ceil(),
+            one_by_one: (Bounces::TOLERANCE.ln() / room.albedo.ln() - 1.0).ceil(),
         };
         Self { device: gpu.info().name.clone(), backend: gpu.backend().name(), rooms: rooms.iter().map(room).collect() }
     }
@@ -94,7 +92,7 @@ impl Stiffness {
         for room in &self.rooms {
             room.rows.iter().for_each(|row| text += &row.line(room.albedo, &row.bounces.to_string()));
         }
-        let _ = writeln!(text, "automatic bounces: {PROMISED:.0e} may be missing");
+        let _ = writeln!(text, "automatic bounces: {:.0e} may be missing", Bounces::TOLERANCE);
         let _ =
             writeln!(text, "{:>8} {:>8} {:>12} {:>12} {:>12}", "albedo", "bounces", "one by one", "missing", "said");
         for RoomReport { albedo, automatic: Row { bounces, error, told, .. }, one_by_one, .. } in &self.rooms {

@@ -50,6 +50,8 @@ struct RowReport {
     standard_error: Option<f64>,
     /// Allowed: of an estimate beside noise, of "relative" a share of `expected`.
     tolerance: Option<f64>,
+    /// What four standard errors of an estimate may be: one that is not known well enough does not pass.
+    resolution: Option<f64>,
     difference: String,
     bound: String,
     passes: bool,
@@ -160,10 +162,12 @@ impl RowReport {
             Comparison::Holds => ("holds", String::new(), String::new()),
         };
         let finite = |value: f64| Some(value).filter(|value| value.is_finite());
-        let (standard_error, tolerance) = match *comparison {
-            Comparison::Estimate { standard_error, tolerance, .. } => (finite(standard_error), finite(tolerance)),
-            Comparison::Within(bound) | Comparison::Relative(bound) => (None, finite(bound)),
-            _ => (None, None),
+        let (standard_error, tolerance, resolution) = match *comparison {
+            Comparison::Estimate { standard_error, tolerance, resolution } => {
+                (finite(standard_error), finite(tolerance), finite(resolution))
+            }
+            Comparison::Within(bound) | Comparison::Relative(bound) => (None, finite(bound), None),
+            _ => (None, None, None),
         };
         Self {
             what: what.clone(),
@@ -172,6 +176,7 @@ impl RowReport {
             comparison: name,
             standard_error,
             tolerance,
+            resolution,
             difference,
             bound,
             passes: *passes,
