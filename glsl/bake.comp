@@ -95,20 +95,20 @@ void accumulate(inout vec4 mean, vec3 quantum_mean, float samples) {
 vec3 gather_halves(Receiver r, ivec2 texel, inout Evidence evidence) {
     bool anew = push.first_quantum == 0u;
     vec4 even = anew ? vec4(0.0) : imageLoad(mean_even, texel);
-    vec4 odd = anew ? vec4(0.0) : imageLoad(mean_odd, texel);
+    vec4 odd = anew || !HALVES ? vec4(0.0) : imageLoad(mean_odd, texel);
     float samples = float(push.rays);
     vec3 unlinked = vec3(0.0);
     for (uint quantum = push.first_quantum; quantum < push.first_quantum + push.quantum_count; ++quantum) {
         Evidence told = NOTHING;
         vec3 quantum_mean = gather(r, quantum, told, unlinked);
         if (quantum == push.evidence_quantum) evidence = told;
-        if ((quantum & 1u) == 0u) accumulate(even, quantum_mean, samples);
+        if (!HALVES || (quantum & 1u) == 0u) accumulate(even, quantum_mean, samples);
         else accumulate(odd, quantum_mean, samples);
     }
     imageStore(mean_even, texel, even);
     // One quantum alone: the odd half is free, and weighs nothing.
     if (LINKS && push.link_stride > 0u) odd.rgb = unlinked;
-    imageStore(mean_odd, texel, odd);
+    if (HALVES || LINKS) imageStore(mean_odd, texel, odd);
     return mix(even.rgb, odd.rgb, odd.w / max(even.w + odd.w, 1.0));
 }
 

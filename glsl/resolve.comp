@@ -30,7 +30,7 @@ void main() {
         vec3 irradiance = shown_irradiance(ivec2(texel));
         float luminance = dot(irradiance, LUMINANCE);
         vec4 even = imageLoad(mean_even, ivec2(texel));
-        vec4 odd = imageLoad(mean_odd, ivec2(texel));
+        vec4 odd = DYNAMIC || HALVES ? imageLoad(mean_odd, ivec2(texel)) : vec4(0.0);
         // A texel that an interrupted bake has not reached is filled like a gutter.
         float lit = DYNAMIC || even.w + odd.w > 0.0 ? 1.0 : 0.0;
         imageStore(light_map, ivec2(texel), vec4(irradiance, lit));

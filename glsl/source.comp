@@ -22,12 +22,13 @@ void main() {
     uvec2 texel;
     vec4 mine = vec4(0.0);
     if (texel_of_invocation(texel)) {
-        vec3 albedo = min(imageLoad(albedo_image, ivec2(texel)).rgb, vec3(MAX_ALBEDO));
         uvec4 g = imageLoad(surface_image, ivec2(texel));
+        Material material = materials[primitives[g.y].material];
+        vec3 albedo = TEXTURES ? imageLoad(albedo_image, ivec2(texel)).rgb : material.albedo;
+        albedo = min(albedo, vec3(MAX_ALBEDO));
         vec3 radiance = albedo * reflected_irradiance(ivec2(texel)) / PI;
         if (!DYNAMIC) {
-            vec3 factor = materials[primitives[g.y].material].emission;
-            radiance += factor * imageLoad(emission_image, ivec2(texel)).rgb;
+            radiance += material.emission * (TEXTURES ? imageLoad(emission_image, ivec2(texel)).rgb : vec3(1.0));
         }
         bool valid = !any(isnan(radiance)) && !any(isinf(radiance));
         if (!valid) radiance = vec3(0.0);

@@ -18,7 +18,7 @@ bitflags::bitflags! {
         const SKY_MAP = 1 << 4;
         /// There are analytic lights.
         const LIGHTS = 1 << 5;
-        /// Some mapped surface has a texture.
+        /// Some surface has a texture: albedo and emission differ from texel to texel.
         const TEXTURES = 1 << 6;
         /// The light map follows a scene that changes.
         const DYNAMIC = 1 << 7;
@@ -34,13 +34,15 @@ bitflags::bitflags! {
         const LINKS = 1 << 12;
         /// Texels that have converged take no more rays.
         const ADAPTIVE = 1 << 13;
+        /// Samples are kept in two halves, which tell the error.
+        const HALVES = 1 << 14;
     }
 }
 
 impl Features {
     /// What `scene` needs when it changes while it is baked: of sky and lights also what may come.
-    pub fn required_dynamic(scene: &Scene) -> Self {
-        let mut features = Self::required(scene) | Self::DYNAMIC;
+    pub(crate) fn of_changing(scene: &Scene) -> Self {
+        let mut features = Self::of(scene) | Self::DYNAMIC;
         features.set(Self::SKY_CONSTANT, !features.contains(Self::SKY_MAP));
         features.set(Self::LIGHTS, !scene.lights().is_empty());
         let moves = scene.instances().iter().any(|instance| instance.mobility == Mobility::Movable);
@@ -49,7 +51,7 @@ impl Features {
     }
 
     /// What `scene` needs when it stays as it is.
-    pub fn required(scene: &Scene) -> Self {
+    pub(crate) fn of(scene: &Scene) -> Self {
         let materials = || scene.materials().iter();
         let meshes = || scene.instances().iter().map(|instance| &scene.meshes()[instance.mesh]);
         let mut features = Self::empty();
@@ -72,11 +74,12 @@ impl Features {
             (Self::UNMAPPED, "every triangle has light-map coordinates: no look-up of unmapped ones"),
             (Self::SKY_CONSTANT | Self::SKY_MAP, "no sky"),
             (Self::LIGHTS, "no analytic lights: no direct pass and no map for it"),
-            (Self::TEXTURES, "no textures"),
+            (Self::TEXTURES, "no textures: no maps of albedo and emission"),
             (Self::IMPORTANCE, "rays by the cosine alone: none aimed, no lines of sight"),
             (Self::CLUSTERS, "no rays aimed by distance: no clusters of what shines"),
             (Self::VISIBILITY, "none by what has been seen: no rays counted"),
             (Self::LINKS, "no links: every bounce traces its rays"),
+            (Self::HALVES, "no error asked for: no halves of the samples"),
             (Self::ADAPTIVE, "the same rays for every texel: none stops before the others"),
             (Self::DYNAMIC, "nothing changes: no running average, no second source map"),
         ];

@@ -5,7 +5,7 @@ use crate::error::{Error, Result};
 use crate::features::Features;
 use crate::gpu::layout::{Answer, Push, TracedRay};
 use crate::gpu::{BindingSet, Buffer, BufferDesc, Commands, Constants, Gpu, Location, Stopwatch};
-use crate::pass::{DeviceScene, Query, Trace};
+use crate::pass::{DeviceScene, Nothing, Query, Trace};
 use crate::scene::Scene;
 use ash::vk;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -51,8 +51,9 @@ impl Tracer {
     pub fn new(gpu: &Gpu, scene: &Scene, bvh: &Bvh) -> Result<Self> {
         let mut commands = Commands::new(gpu)?;
         let stopwatch = Stopwatch::new(gpu)?;
-        let features = Features::required(scene);
-        let scene = DeviceScene::new(gpu, &mut commands, scene, bvh, features)?;
+        let features = Features::of(scene);
+        let nothing = Nothing::new(&mut commands)?;
+        let scene = DeviceScene::new(gpu, &mut commands, scene, bvh, features, &nothing)?;
         let trace = Trace::new(gpu, Constants::new(features, bvh), &scene)?;
         let push = Push { root: bvh.root(), ..Push::default() };
         let id = TRACERS.fetch_add(1, Ordering::Relaxed);

@@ -5,7 +5,7 @@
 mod device;
 
 use device::on_both_back_ends;
-use lightoven::baker::{BakeSettings, Baker, LightMap, Outcome, Progress, Sampling, Slice, Stop};
+use lightoven::baker::{BakeSettings, Baker, ErrorEstimate, LightMap, Outcome, Progress, Sampling, Slice, Stop};
 use lightoven::gpu::Gpu;
 use lightoven::io::gltf::{self, ReadSettings};
 use lightoven::scene::{Resolution, Scene, Sky, SkyMap};
@@ -169,8 +169,12 @@ fn watched(gpu: &Gpu) {
 
 /// What an adaptive bake decides does not depend on who looks on the way.
 fn watched_adaptive(gpu: &Gpu) {
-    let settings =
-        BakeSettings { resolution: Resolution::Texels(64), seed: 3, adaptive: true, ..BakeSettings::default() };
+    let settings = BakeSettings {
+        resolution: Resolution::Texels(64),
+        seed: 3,
+        error: ErrorEstimate::Adaptive,
+        ..BakeSettings::default()
+    };
     let to_error = Stop { error: Some(0.01), ..Stop::default() };
     let baked = |looks: usize| {
         let mut baker = Baker::new(gpu, &courtyard(), &settings).unwrap();

@@ -1,9 +1,9 @@
 //! What gathering light consists of, to be measured: its rays, and its pass.
 
-use super::setup::features_of;
 use super::{BakeSettings, Bounces, Core, Sampling, Statistics};
 use crate::bvh::{Bvh, Ray};
 use crate::error::{Error, Result};
+use crate::features::Features;
 use crate::gpu::layout::{GROUP, Push, TracedRay};
 use crate::gpu::{Buffer, BufferDesc, Gpu, Location, Stopwatch};
 use crate::pass::{Bake, Emit, Groups};
@@ -48,7 +48,7 @@ impl GatherBench {
         let (sampling, bounces) = (Sampling::Cosine, Bounces::Limit(0));
         let settings = BakeSettings { resolution, sampling, bounces, ..BakeSettings::default() };
         let atlas = Atlas::new(scene, resolution)?;
-        let (features, mut bvh) = (features_of(scene, &settings), bvh.clone());
+        let (features, mut bvh) = (Features::required(scene, &settings), bvh.clone());
         let core = Core::new(gpu, scene, &settings, &mut bvh, atlas, features, Statistics::default())?;
         let bake = Bake::new(core.context(), &core.texels)?;
         Ok(Self { bake, stopwatch: Stopwatch::new(gpu)?, core })

@@ -1,7 +1,6 @@
 //! What a bake takes on the device, told before anything is allocated.
 
 use super::BakeSettings;
-use super::setup::features_of;
 use crate::error::{Error, ErrorKind, Result};
 use crate::features::Features;
 use crate::gpu::DeviceInfo;
@@ -69,6 +68,6 @@ fn sky_size(scene: &Scene) -> [u32; 2] {
 /// As [`Atlas::new`].
 pub fn estimate_memory(scene: &Scene, settings: &BakeSettings) -> Result<(Atlas, MemoryEstimate)> {
     let atlas = Atlas::new(scene, settings.resolution)?;
-    let estimate = MemoryEstimate::of(scene, atlas.size.to_array(), features_of(scene, settings));
+    let estimate = MemoryEstimate::of(scene, atlas.size.to_array(), Features::required(scene, settings));
     Ok((atlas, estimate))
 }

@@ -6,6 +6,7 @@ mod frames;
 mod gather_bench;
 mod keeping;
 mod memory;
+mod needs;
 mod progress;
 mod setup;
 mod still;
@@ -43,15 +44,30 @@ pub struct BakeSettings {
     pub sampling: Sampling,
     /// Where aimed rays go.
     pub aimed_by: AimedBy,
-    /// Whether texels that have converged stop taking rays, where a static bake has an error to reach ([`Stop::error`]); they
-    /// then have fewer than [`Stop::samples`]. [`Mode::Frames`] has none. Without it all texels have the same. Default: false.
-    pub adaptive: bool,
+    /// What is told of the error of a static bake. [`Mode::Frames`] tells nothing.
+    pub error: ErrorEstimate,
     /// Another seed gives other noise.
     pub seed: u64,
     /// How long one submission of a static bake may take.
     pub slice: Slice,
     /// Whether the scene stays as it is.
     pub mode: Mode,
+    /// Switched on although the scene does not need it, to measure what leaving it out saves: some of
+    /// [`Features::LEFT_OUT_AT_WILL`], and with [`Mode::Frames`] nothing. Default: none.
+    pub unneeded: Features,
+}
+
+/// What is told of the error of a static bake.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum ErrorEstimate {
+    /// Nothing: samples are not kept in halves, and a bake cannot end by its error.
+    None,
+    /// Its estimate, from the difference of two halves. All texels take the same rays. The default.
+    #[default]
+    Told,
+    /// The same, and where the bake has an error to reach ([`Stop::error`]), texels that have converged stop taking rays:
+    /// they then have fewer than [`Stop::samples`].
+    Adaptive,
 }
 
 /// Whether the scene stays as it is.
@@ -73,10 +89,11 @@ impl Default for BakeSettings {
             bounces: Bounces::Auto,
             sampling: Sampling::Auto,
             aimed_by: AimedBy::default(),
-            adaptive: false,
+            error: ErrorEstimate::default(),
             seed: 0,
             slice: Slice::default(),
             mode: Mode::Still,
+            unneeded: Features::empty(),
         }
     }
 }

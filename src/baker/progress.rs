@@ -139,7 +139,7 @@ pub struct Statistics {
     pub epochs: u32,
     /// Kept samples of a texel, in the mean.
     pub samples_per_texel: f64,
-    /// Kept samples of the texels that have most; with [`super::BakeSettings::adaptive`] others may have fewer.
+    /// Kept samples of the texels that have most; with [`super::ErrorEstimate::Adaptive`] others may have fewer.
     pub most_samples: f64,
     /// Rays traced by gathering, bounce epochs included, shadow rays of analytic lights not.
     pub rays: u64,

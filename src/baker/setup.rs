@@ -2,8 +2,9 @@
 
 use super::frames::Frames;
 use super::memory::MemoryEstimate;
+use super::needs::check_unneeded;
 use super::still::Still;
-use super::{AimedBy, BakeSettings, Baker, Core, Mode, Running, Sampling, Statistics};
+use super::{BakeSettings, Baker, Core, Mode, Running, Sampling, Statistics};
 use crate::bvh::{Bvh, InstanceRecord, Motion};
 use crate::epochs::Bounces;
 use crate::error::{Error, Result};
@@ -11,7 +12,7 @@ use crate::features::Features;
 use crate::gpu::layout::{NO_FOOTPRINT, Push};
 use crate::gpu::{Commands, Constants, Gpu};
 use crate::pass::{
-    Context, DeviceScene, Gbuffer, Links, Maps, Pieces, Settle, Sources, TexelKind, TexelList, activity,
+    Context, DeviceScene, Gbuffer, Links, Maps, Nothing, Pieces, Settle, Sources, TexelKind, TexelList, activity,
 };
 use crate::scene::{Atlas, Scene, Sky};
 use glam::Vec3;
@@ -38,12 +39,16 @@ impl Baker {
         check(gpu, settings)?;
         let started = Instant::now();
         let atlas = Atlas::new(scene, settings.resolution)?;
-        let features = features_of(scene, settings);
+        let features = Features::required(scene, settings);
         MemoryEstimate::of(scene, atlas.size.to_array(), features).check(atlas.size.to_array(), gpu.info())?;
         let mut statistics = Statistics::default();
         statistics.seconds.gbuffer = started.elapsed().as_secs_f64();
         let started = Instant::now();
-        let motion = if settings.mode == Mode::Still { Motion::None } else { Motion::OfMovables };
+        let motion = match settings.mode {
+            Mode::Still if settings.unneeded.contains(Features::INSTANCES) => Motion::NoneUnderTop,
+            Mode::Still => Motion::None,
+            Mode::Frames(_) => Motion::OfMovables,
+        };
         if settings.sampling == Sampling::Importance {
             warn_of_what_is_missed(scene, features, &mut statistics);
         }
@@ -79,6 +84,7 @@ fn warn_of_what_is_missed(scene: &Scene, features: Features, statistics: &mut St
 
 fn check(gpu: &Gpu, settings: &BakeSettings) -> Result<()> {
     settings.sampling.check()?;
+    check_unneeded(settings)?;
     let Mode::Frames(frames) = settings.mode else { return Ok(()) };
     frames.check()?;
     if let Bounces::Limit(limit) = settings.bounces {
@@ -92,26 +98,6 @@ fn check(gpu: &Gpu, settings: &BakeSettings) -> Result<()> {
         ));
     }
     Ok(())
-}
-
-/// What a baker with these settings needs of a scene.
-pub(super) fn features_of(scene: &Scene, settings: &BakeSettings) -> Features {
-    let mut features = match settings.mode {
-        Mode::Still => Features::required(scene),
-        Mode::Frames(_) => Features::required_dynamic(scene),
-    };
-    let aims = settings.sampling != Sampling::Cosine;
-    features.set(Features::IMPORTANCE, aims);
-    features.set(Features::CLUSTERS, aims && settings.aimed_by != AimedBy::Power);
-    features.set(Features::VISIBILITY, aims && settings.aimed_by == AimedBy::Visibility);
-    let bounces = match settings.bounces {
-        Bounces::Auto => u32::MAX,
-        Bounces::Limit(limit) => limit,
-    };
-    let reflects = scene.materials().iter().any(|material| material.albedo.max_element() > 0.0);
-    features.set(Features::ADAPTIVE, settings.mode == Mode::Still && settings.adaptive);
-    features.set(Features::LINKS, settings.mode == Mode::Still && reflects && bounces > 1);
-    features
 }
 
 impl Core {
@@ -136,8 +122,9 @@ impl Core {
         // What may leave does not decide which texels are inside something.
         set_present(bvh, &movable, false);
         let mut commands = Commands::new(gpu)?;
-        let mut device_scene = DeviceScene::new(gpu, &mut commands, scene, bvh, features)?;
-        let mut maps = Maps::new(gpu, &mut commands, size, device_scene.sky_size(), features)?;
+        let nothing = Nothing::new(&mut commands)?;
+        let mut device_scene = DeviceScene::new(gpu, &mut commands, scene, bvh, features, &nothing)?;
+        let mut maps = Maps::new(gpu, &mut commands, size, device_scene.sky_size(), features, &nothing)?;
         let constants = Constants::new(features, bvh);
         let context = Context { gpu, constants, scene: &device_scene, maps: &maps };
         let push = push_of(scene, settings, bvh, &device_scene, size);
@@ -147,8 +134,10 @@ impl Core {
         let before_aiming = Instant::now();
         if features.contains(Features::IMPORTANCE) {
             let pieces = Pieces::new(&mut commands, scene, bvh, &device_scene, size, &surfaces)?;
-            features.set(Features::SHARED_TEXELS, pieces.shared_texels > 0);
-            (maps.pieces, device_scene.pieces) = (pieces.codes, pieces.list);
+            if let Some(Pieces { codes, list }) = pieces {
+                features |= Features::SHARED_TEXELS;
+                (maps.pieces, device_scene.pieces) = (codes, list);
+            }
             if features.contains(Features::CLUSTERS) {
                 maps.sources = Sources::new(&mut commands, bvh, &device_scene, size, &surfaces)?;
             }

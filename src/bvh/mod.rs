@@ -118,6 +118,8 @@ pub(crate) enum Motion {
     None,
     /// What is declared movable.
     OfMovables,
+    /// Nothing, and there is a top level even over a single instance.
+    NoneUnderTop,
 }
 
 /// The hierarchy of a scene, as it goes to the device.
@@ -181,7 +183,7 @@ impl Bvh {
         let may_move = |instance: &Instance| motion == Motion::OfMovables && instance.mobility == Mobility::Movable;
         let moves = scene.instances().iter().any(may_move);
         let baked_transform = match transforms.as_mut_slice() {
-            [only] if !moves => Some(std::mem::replace(only, DAffine3::IDENTITY)),
+            [only] if !moves && motion != Motion::NoneUnderTop => Some(std::mem::replace(only, DAffine3::IDENTITY)),
             _ => None,
         };
         let mesh_of: Vec<usize> = scene.instances().iter().map(|instance| instance.mesh).collect();

@@ -31,6 +31,11 @@ impl Commands {
         Ok(commands)
     }
 
+    /// The device that they run on.
+    pub(crate) fn gpu(&self) -> &Gpu {
+        &self.gpu
+    }
+
     /// Records, submits and waits; returns the time from submission to completion.
     pub(crate) fn run(&mut self, record: impl FnOnce(&mut Recorder<'_>) -> Result<()>) -> Result<Duration> {
         let device = self.gpu.device();

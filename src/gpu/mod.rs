@@ -38,7 +38,7 @@ pub(crate) use recorder::{Recorder, Rendering};
 pub(crate) use sampler::Sampler;
 pub(crate) use shader::{
     BAKE, BOUNCE, CLUSTERS, DILATE, DIRECT, EMIT, GBUFFER_FRAG, GBUFFER_VERT, IMPORTANCE, PUBLISH, RESOLVE, SETTLE,
-    SOURCE, TRACE, WEIGHTS,
+    SOURCE, TEXTURED_FRAG, TRACE, WEIGHTS,
 };
 pub(crate) use timer::{MARKS, Stopwatch, Timer};
 

@@ -1,16 +1,18 @@
 //! Light goes once more along rays that were traced before. Reads links, the source map and the mean of the odd quanta,
 //! which holds what came from elsewhere; writes the mean of the even quanta. One invocation a texel of the list.
 
+use super::nothing::Nothing;
 use super::{Context, TexelList, groups_of};
 use crate::error::Result;
 use crate::gpu::layout::{Link, Push, binding};
 use crate::gpu::{BOUNCE, BindingSet, Buffer, BufferDesc, ComputePipeline, Gpu, Location, Recorder, Resource};
 use ash::vk;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// Where the rays of a bounce epoch ended, `[ray][texel]`.
 pub(crate) struct Links {
-    pub(super) buffer: Buffer,
+    pub(super) buffer: Arc<Buffer>,
     texels: u32,
     /// Of each texel.
     pub(crate) rays: u32,
@@ -37,12 +39,17 @@ impl Links {
         texels * u64::from(rays) * size_of::<Link>() as u64
     }
 
+    /// Of no texels.
+    pub(super) fn none(nothing: &Nothing) -> Self {
+        Self { buffer: nothing.buffer(), texels: 0, rays: 0 }
+    }
+
     /// Room for `rays` links of each of `texels`.
     pub(crate) fn new(gpu: &Gpu, texels: u32, rays: u32) -> Result<Self> {
-        let size = Self::bytes(u64::from(texels), rays).max(size_of::<Link>() as u64);
+        let size = Self::bytes(u64::from(texels), rays);
         let usage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let desc = BufferDesc { name: "links", size, usage, location: Location::Device };
-        Ok(Self { buffer: Buffer::new(gpu, desc)?, texels, rays })
+        Ok(Self { buffer: Arc::new(Buffer::new(gpu, desc)?), texels, rays })
     }
 
     /// From a texel's link to its next one.

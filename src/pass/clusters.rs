@@ -2,6 +2,7 @@
 //! the pyramid's leaves; writes the clusters and the leaves' sums within each: one work group a cluster. Then reads the
 //! clusters and what was seen of them, and writes the weights by which each group chooses: one work group a group.
 
+use super::nothing::Nothing;
 use super::{Context, DeviceScene, GROUPS_IN_A_ROW};
 use crate::bvh::Bvh;
 use crate::clusters::{Clusters as Layout, LEAST_GROUP_SITES, MOST_CLUSTERS, MOST_GROUPS, Site};
@@ -15,6 +16,7 @@ use ash::vk;
 use bytemuck::Zeroable;
 use glam::{Vec2, Vec3};
 use std::ops::Range;
+use std::sync::Arc;
 
 /// Bits of a texel's seat that name its cluster; those above, its group.
 const CLUSTER_BITS: u32 = 10;
@@ -24,19 +26,19 @@ pub(super) const SEATS: vk::Format = vk::Format::R32_UINT;
 
 /// Source texels in clusters, on the device; of a scene in which no rays are aimed so, next to nothing.
 pub(crate) struct Sources {
-    pub(super) clusters: Buffer,
+    pub(super) clusters: Arc<Buffer>,
     /// `[place]`: texels, cluster by cluster.
-    pub(super) texels: Buffer,
+    pub(super) texels: Arc<Buffer>,
     /// `[place]`: sum of the leaves of its cluster up to and with this one.
-    pub(super) sums: Buffer,
+    pub(super) sums: Arc<Buffer>,
     /// `[texel]`: group and cluster.
-    pub(super) seats: Image,
+    pub(super) seats: Arc<Image>,
     /// `[group]`: where it ends, in places.
-    group_ends: Buffer,
+    group_ends: Arc<Buffer>,
     /// `[group][cluster]`: sums of what a group's texels choose clusters by.
-    pub(super) weights: Buffer,
+    pub(super) weights: Arc<Buffer>,
     /// `[group][cluster]`: rays aimed, and above them those that found their aim.
-    pub(super) sightings: Buffer,
+    pub(super) sightings: Arc<Buffer>,
     cluster_count: u32,
     group_count: u32,
     /// One in so many texels tells what it sees, so that counts do not overflow.
@@ -44,13 +46,20 @@ pub(crate) struct Sources {
 }
 
 impl Sources {
-    pub(super) fn seats(&self) -> &Image {
-        &self.seats
-    }
-
-    /// Of no texels, for bindings need something behind them.
-    pub(super) fn none(commands: &mut Commands) -> Result<Self> {
-        Self::upload(commands, &Layout::default(), &[], [1, 1])
+    /// Of no texels.
+    pub(super) fn none(nothing: &Nothing) -> Self {
+        Self {
+            clusters: nothing.buffer(),
+            texels: nothing.buffer(),
+            sums: nothing.buffer(),
+            seats: nothing.image(SEATS),
+            group_ends: nothing.buffer(),
+            weights: nothing.buffer(),
+            sightings: nothing.buffer(),
+            cluster_count: 0,
+            group_count: 0,
+            tells_every: 1,
+        }
     }
 
     /// `surfaces`: the g-buffer's.
@@ -83,7 +92,7 @@ impl Sources {
             clusters: upload(commands, "clusters", &clusters)?,
             sums: upload(commands, "sums within clusters", &vec![0.0_f32; places.len()])?,
             texels: upload(commands, "texels of clusters", places)?,
-            seats: commands.upload_image(desc, &seats)?,
+            seats: Arc::new(commands.upload_image(desc, &seats)?),
             group_ends: upload(commands, "groups", &layout.groups.iter().map(|range| range.end).collect::<Vec<_>>())?,
             weights: upload(commands, "weights of clusters", &vec![0.0_f32; table.len()])?,
             sightings: upload(commands, "sightings", &table)?,
@@ -108,9 +117,9 @@ impl Sources {
 /// Texels of a group that tell what they see, about.
 const SITES_THAT_TELL: u32 = 128;
 
-fn upload<T: bytemuck::Pod>(commands: &mut Commands, name: &str, data: &[T]) -> Result<Buffer> {
+fn upload<T: bytemuck::Pod>(commands: &mut Commands, name: &str, data: &[T]) -> Result<Arc<Buffer>> {
     let (size, usage) = (size_of_val(data) as u64, vk::BufferUsageFlags::STORAGE_BUFFER);
-    commands.upload(BufferDesc { name, size, usage, location: Location::Device }, data)
+    commands.upload(BufferDesc { name, size, usage, location: Location::Device }, data).map(Arc::new)
 }
 
 /// Texels that lie on a surface, as x | y << 16, and where that is.

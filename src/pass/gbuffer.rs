@@ -1,5 +1,6 @@
 //! Draws the g-buffer in light-map space: which point of which triangle each texel is.
-//! Reads the scene and its textures; writes the surface, albedo and emission maps. Two triangles a triangle.
+//! Reads the scene and its textures; writes the surface map, and with textures those of albedo and emission. Two
+//! triangles a triangle.
 
 use super::textures::{Batch, Textures, batches};
 use super::{Context, DeviceScene, Maps};
@@ -9,7 +10,7 @@ use crate::features::Features;
 use crate::gpu::layout::{Push, binding};
 use crate::gpu::{
     BindingSet, Buffer, BufferDesc, Commands, Constants, GBUFFER_FRAG, GBUFFER_VERT, Gpu, Image, ImageDesc, Location,
-    RasterDesc, RasterPipeline, Recorder, Rendering, Resource,
+    RasterDesc, RasterPipeline, Recorder, Rendering, Resource, TEXTURED_FRAG,
 };
 use crate::scene::Scene;
 use ash::vk;
@@ -19,7 +20,8 @@ pub(crate) struct Gbuffer {
     pipeline: RasterPipeline,
     depth: Image,
     draws: Vec<Draw>,
-    _textures: Textures,
+    /// Where there are any, albedo and emission are drawn too.
+    textures: Option<Textures>,
     _list: Buffer,
 }
 
@@ -36,7 +38,7 @@ impl Gbuffer {
     pub(crate) fn new(context: Context<'_>, commands: &mut Commands, scene: &Scene, bvh: &Bvh) -> Result<Self> {
         let Context { gpu, constants, scene: device_scene, maps } = context;
         let textured = Features::from_bits_truncate(constants.features).contains(Features::TEXTURES);
-        let textures = Textures::new(gpu, commands, scene, textured)?;
+        let textures = textured.then(|| Textures::new(gpu, commands, scene)).transpose()?;
         let (batches, primitives) = batches(scene, bvh);
         let list = commands.upload(
             BufferDesc {
@@ -48,17 +50,18 @@ impl Gbuffer {
             &primitives,
         )?;
         let depth = create_depth(gpu, commands, maps.size)?;
-        let pipeline = create_pipeline(gpu, constants, device_scene, &textures, &list)?;
+        let pipeline = create_pipeline(gpu, constants, device_scene, textures.as_ref(), &list)?;
         let mut draws = Vec::new();
         for batch in &batches {
-            let set = std::rc::Rc::new(pipeline.bind(&resources(device_scene, &textures, &list, batch.pair))?);
+            let set =
+                std::rc::Rc::new(pipeline.bind(&resources(device_scene, textures.as_ref(), &list, batch.pair))?);
             draws.extend(draws_of(scene, batch).map(|(instance, vertices)| Draw {
                 instance,
                 set: set.clone(),
                 vertices,
             }));
         }
-        Ok(Self { pipeline, depth, draws, _textures: textures, _list: list })
+        Ok(Self { pipeline, depth, draws, textures, _list: list })
     }
 
     pub(crate) fn record(&self, recorder: &mut Recorder<'_>, maps: &Maps, push: &Push) {
@@ -77,7 +80,10 @@ impl Gbuffer {
         push: &Push,
         part: &dyn Fn(std::ops::Range<u32>) -> std::ops::Range<u32>,
     ) {
-        let color = [&maps.surface, &maps.albedo, &maps.emission];
+        let mut color = vec![&maps.surface];
+        if self.textures.is_some() {
+            color.extend([&*maps.albedo, &maps.emission]);
+        }
         recorder.render(c"gbuffer", &color, &self.depth, &mut |rendering: &mut Rendering| {
             for draw in &self.draws {
                 let push = Push { instance: draw.instance, ..*push };
@@ -95,21 +101,23 @@ fn draws_of<'a>(scene: &'a Scene, batch: &'a Batch) -> impl Iterator<Item = (u32
 
 fn resources<'a>(
     scene: &'a DeviceScene,
-    textures: &'a Textures,
+    textures: Option<&'a Textures>,
     list: &'a Buffer,
     pair: super::textures::Pair,
 ) -> Vec<(u32, Resource<'a>)> {
-    let texture = |usage| {
-        let (image, sampler) = textures.of(usage);
-        Resource::Texture(image, sampler)
-    };
     let mut resources = scene.surface_resources();
-    resources.extend([
-        (binding::TEXELS, Resource::Storage(list)),
-        (binding::ALBEDO_TEXTURE, texture(pair[0])),
-        (binding::EMISSION_TEXTURE, texture(pair[1])),
-        (binding::TEXCOORDS, Resource::Storage(&scene.texcoords)),
-    ]);
+    resources.push((binding::TEXELS, Resource::Storage(list)));
+    if let Some(textures) = textures {
+        let texture = |usage| {
+            let (image, sampler) = textures.of(usage);
+            Resource::Texture(image, sampler)
+        };
+        resources.extend([
+            (binding::ALBEDO_TEXTURE, texture(pair[0])),
+            (binding::EMISSION_TEXTURE, texture(pair[1])),
+            (binding::TEXCOORDS, Resource::Storage(&scene.texcoords)),
+        ]);
+    }
     resources
 }
 
@@ -129,19 +137,18 @@ fn create_pipeline(
     gpu: &Gpu,
     constants: Constants,
     scene: &DeviceScene,
-    textures: &Textures,
+    textures: Option<&Textures>,
     list: &Buffer,
 ) -> Result<RasterPipeline> {
+    let formats = [vk::Format::R32G32B32A32_UINT, vk::Format::R32G32B32A32_SFLOAT, vk::Format::R32G32B32A32_SFLOAT];
+    let (fragment, color_formats) =
+        if textures.is_some() { (&TEXTURED_FRAG, &formats[..]) } else { (&GBUFFER_FRAG, &formats[..1]) };
     let desc = RasterDesc {
         name: "gbuffer",
         vertex: &GBUFFER_VERT,
-        fragment: &GBUFFER_FRAG,
+        fragment,
         constants,
-        color_formats: &[
-            vk::Format::R32G32B32A32_UINT,
-            vk::Format::R32G32B32A32_SFLOAT,
-            vk::Format::R32G32B32A32_SFLOAT,
-        ],
+        color_formats,
         depth_format: DEPTH_FORMAT,
     };
     RasterPipeline::new(gpu, &desc, &resources(scene, textures, list, [None, None]))

@@ -3,46 +3,48 @@
 use super::bounce::Links;
 use super::clusters::Sources;
 use super::importance::Pyramid;
+use super::nothing::Nothing;
 use crate::error::Result;
 use crate::features::Features;
 use crate::gpu::{Buffer, BufferDesc, Commands, Gpu, Image, ImageDesc, Location};
 use ash::vk;
+use std::sync::Arc;
 
-/// Images of the light map's size, but where a feature is absent: those are 1 x 1.
+/// Images of the light map's size. Those of absent features are [`Nothing`].
 pub(crate) struct Maps {
     pub(crate) size: [u32; 2],
     /// (instance + 1 or 0, primitive, barycentrics).
     pub(crate) surface: Image,
     /// fp32: fp16 would turn .9 into .8999, and a closed furnace of .99 would lose 2.5 %.
-    pub(crate) albedo: Image,
+    pub(crate) albedo: Arc<Image>,
     /// The emission texture's colour, which the material's emission multiplies.
-    pub(crate) emission: Image,
+    pub(crate) emission: Arc<Image>,
     /// Where in the texel rays start.
     pub(crate) footprint: Image,
     /// Irradiance from analytic lights.
-    pub(crate) direct: Image,
+    pub(crate) direct: Arc<Image>,
     /// Mean gathered irradiance of the even quanta, and its samples. Dynamic: the running average.
     pub(crate) mean_even: Image,
     /// The same of the odd quanta. Dynamic: what the last visit gathered.
-    pub(crate) mean_odd: Image,
+    pub(crate) mean_odd: Arc<Image>,
     /// Outgoing radiance: what hits read. Dynamic: two, one read while the other is written.
     pub(crate) source: Vec<Image>,
     /// Pyramid over the light map that rays are aimed by, and over the sky map.
-    pub(crate) importance: Image,
-    pub(crate) sky_importance: Image,
+    pub(crate) importance: Arc<Image>,
+    pub(crate) sky_importance: Arc<Image>,
     /// Luminance of the pyramid's leaves.
-    pub(crate) aimed_luminance: Image,
+    pub(crate) aimed_luminance: Arc<Image>,
     /// Texels that are more than one piece: `pass/pieces.rs`. 1 x 1 until somebody has looked.
-    pub(crate) pieces: Image,
+    pub(crate) pieces: Arc<Image>,
     /// Clusters of source texels; none until somebody has looked.
     pub(crate) sources: Sources,
     /// Where rays of bounce epochs ended; none until somebody keeps them.
     pub(crate) links: Links,
     /// `[group of the list of texels]`: which of them take rays; one alone where all do.
-    pub(crate) activity: Buffer,
+    pub(crate) activity: Arc<Buffer>,
     /// What rays tell of other ways to aim them; of light from the sky map.
-    pub(crate) evidence: Image,
-    pub(crate) sky_evidence: Image,
+    pub(crate) evidence: Arc<Image>,
+    pub(crate) sky_evidence: Arc<Image>,
     /// Irradiance and coverage. Dynamic: as many as the engine may still read while another is written.
     pub(crate) light_map: Vec<Image>,
 }
@@ -55,12 +57,13 @@ const RADIANCE: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
 /// Where in the list a texel's pieces are.
 pub(super) const PIECES: vk::Format = vk::Format::R32_UINT;
 
-/// Name, format, size and number of that size.
+/// Name, format, size and number; 0 of what is not needed.
 type Plan = (&'static str, vk::Format, [u32; 2], usize);
 
 /// `sky`: size of the sky map, where there is one.
 fn plans(size: [u32; 2], sky: [u32; 2], features: Features) -> [Plan; 14] {
     let dynamic = features.contains(Features::DYNAMIC);
+    let any = |wanted: Features| usize::from(features.intersects(wanted));
     let importance = usize::from(features.contains(Features::IMPORTANCE));
     let by_power = usize::from(importance == 1 && !features.contains(Features::CLUSTERS));
     let sky_importance = usize::from(features.contains(Features::IMPORTANCE | Features::SKY_MAP));
@@ -68,12 +71,18 @@ fn plans(size: [u32; 2], sky: [u32; 2], features: Features) -> [Plan; 14] {
     let several = |count| if dynamic { count } else { 1 };
     [
         ("surface map", vk::Format::R32G32B32A32_UINT, size, 1),
-        ("albedo map", RADIANCE, size, 1),
-        ("emission map", RADIANCE, size, 1),
+        ("albedo map", RADIANCE, size, any(Features::TEXTURES)),
+        ("emission map", RADIANCE, size, any(Features::TEXTURES)),
         ("footprint map", vk::Format::R32_UINT, size, 1),
-        ("direct map", RADIANCE, size, usize::from(features.contains(Features::LIGHTS))),
+        ("direct map", RADIANCE, size, any(Features::LIGHTS)),
         (if dynamic { "running average" } else { "mean of even quanta" }, RADIANCE, size, 1),
-        (if dynamic { "last visit" } else { "mean of odd quanta" }, RADIANCE, size, 1),
+        (
+            if dynamic { "last visit" } else { "mean of odd quanta" },
+            RADIANCE,
+            size,
+            // That of bounces holds what comes from elsewhere than their links.
+            any(Features::DYNAMIC | Features::HALVES | Features::LINKS),
+        ),
         ("source map", RADIANCE, size, several(2)),
         ("importance pyramid", RADIANCE, pyramid, by_power),
         ("sky importance pyramid", RADIANCE, sky, sky_importance),
@@ -92,6 +101,7 @@ impl Maps {
         size: [u32; 2],
         sky: [u32; 2],
         features: Features,
+        nothing: &Nothing,
     ) -> Result<Self> {
         let plans = plans(size, sky, features);
         let usage = vk::ImageUsageFlags::STORAGE
@@ -100,33 +110,33 @@ impl Maps {
             | vk::ImageUsageFlags::TRANSFER_DST;
         let attachment = usage | vk::ImageUsageFlags::COLOR_ATTACHMENT;
         let image = |index: usize, usage| {
-            let (name, format, size, count) = plans[index];
-            let size = if count > 0 { size } else { [1, 1] };
+            let (name, format, size, _) = plans[index];
             Image::new(gpu, ImageDesc { name, size, format, usage, mip_levels: 1 })
         };
         let several = |index: usize| (0..plans[index].3).map(|_| image(index, usage)).collect::<Result<Vec<_>>>();
+        let optional = |index: usize, usage| match plans[index] {
+            (_, format, _, 0) => Ok(nothing.image(format)),
+            _ => image(index, usage).map(Arc::new),
+        };
         let maps = Self {
             size,
             surface: image(0, attachment)?,
-            albedo: image(1, attachment)?,
-            emission: image(2, attachment)?,
+            albedo: optional(1, attachment)?,
+            emission: optional(2, attachment)?,
             footprint: image(3, usage)?,
-            direct: image(4, usage)?,
+            direct: optional(4, usage)?,
             mean_even: image(5, usage)?,
-            mean_odd: image(6, usage)?,
+            mean_odd: optional(6, usage)?,
             source: several(7)?,
-            importance: image(8, usage)?,
-            sky_importance: image(9, usage)?,
-            pieces: Image::new(
-                gpu,
-                ImageDesc { name: "pieces map", size: [1, 1], format: PIECES, usage, mip_levels: 1 },
-            )?,
-            sources: Sources::none(commands)?,
-            links: Links::new(gpu, 0, 0)?,
-            activity: activity(gpu, 1)?,
-            aimed_luminance: image(10, usage)?,
-            evidence: image(11, usage)?,
-            sky_evidence: image(12, usage)?,
+            importance: optional(8, usage)?,
+            sky_importance: optional(9, usage)?,
+            pieces: nothing.image(PIECES),
+            sources: Sources::none(nothing),
+            links: Links::none(nothing),
+            activity: nothing.buffer(),
+            aimed_luminance: optional(10, usage)?,
+            evidence: optional(11, usage)?,
+            sky_evidence: optional(12, usage)?,
             light_map: several(13)?,
         };
         commands.run(|recorder| {
@@ -136,24 +146,22 @@ impl Maps {
         Ok(maps)
     }
 
+    /// What is not [`Nothing`], which is in its layout already.
     fn all(&self) -> Vec<&Image> {
-        let single = [
-            &self.surface,
+        let single = [&self.surface, &self.footprint, &self.mean_even];
+        let optional = [
             &self.albedo,
             &self.emission,
-            &self.footprint,
             &self.direct,
-            &self.mean_even,
             &self.mean_odd,
             &self.importance,
             &self.sky_importance,
-            &self.pieces,
-            self.sources.seats(),
             &self.aimed_luminance,
             &self.evidence,
             &self.sky_evidence,
         ];
-        single.into_iter().chain(&self.source).chain(&self.light_map).collect()
+        let own = optional.into_iter().filter(|image| Arc::strong_count(image) == 1).map(|image| &**image);
+        single.into_iter().chain(own).chain(&self.source).chain(&self.light_map).collect()
     }
 
     /// Bytes that the images take, by name.
@@ -170,10 +178,10 @@ impl Maps {
 }
 
 /// For so many groups of texels.
-pub(crate) fn activity(gpu: &Gpu, groups: usize) -> Result<Buffer> {
+pub(crate) fn activity(gpu: &Gpu, groups: usize) -> Result<Arc<Buffer>> {
     let usage = vk::BufferUsageFlags::STORAGE_BUFFER | vk::BufferUsageFlags::TRANSFER_DST;
     let size = (groups.max(1) * size_of::<u32>()) as u64;
-    Buffer::new(gpu, BufferDesc { name: "activity", size, usage, location: Location::Device })
+    Buffer::new(gpu, BufferDesc { name: "activity", size, usage, location: Location::Device }).map(Arc::new)
 }
 
 fn texel_bytes(format: vk::Format) -> u64 {

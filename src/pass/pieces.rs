@@ -12,6 +12,7 @@ use crate::gpu::{Buffer, BufferDesc, Commands, Image, ImageDesc, Location};
 use crate::scene::Scene;
 use ash::vk;
 use glam::{DVec2, Vec2};
+use std::sync::Arc;
 
 /// Less of a triangle than this is not aimed at, square texels.
 const LEAST_AREA: f32 = 1e-3;
@@ -23,14 +24,12 @@ const MOST: usize = 16;
 /// Texels with more than one piece, on the device.
 pub(crate) struct Pieces {
     /// `[texel]`: 0, where there is only what the g-buffer has, or number << 24 | first.
-    pub(crate) codes: Image,
-    pub(crate) list: Buffer,
-    /// Texels that have any.
-    pub(crate) shared_texels: u64,
+    pub(crate) codes: Arc<Image>,
+    pub(crate) list: Arc<Buffer>,
 }
 
 impl Pieces {
-    /// `surfaces`: the g-buffer's. Only texels are looked at in which something emits.
+    /// `surfaces`: the g-buffer's. Only texels are looked at in which something emits; `None`: there is no such texel.
     pub(crate) fn new(
         commands: &mut Commands,
         scene: &Scene,
@@ -38,11 +37,11 @@ impl Pieces {
         device_scene: &DeviceScene,
         size: [u32; 2],
         surfaces: &[[u32; 4]],
-    ) -> Result<Self> {
+    ) -> Result<Option<Self>> {
         let look = Look { scene, bvh, device_scene, size, surfaces };
         let any_emits = device_scene.radiators.materials.iter().any(|material| material.emission != [0.0; 3]);
         if !any_emits {
-            return Self::upload(commands, size, &[], &[]);
+            return Ok(None);
         }
         // Most texels hold their owner alone: what lies in the others is listed, and only there.
         let mut touched = vec![false; surfaces.len()];
@@ -64,7 +63,10 @@ impl Pieces {
                 codes.push((parts[0].texel, ((list.len() - first) as u32) << FIRST_BITS | first as u32));
             }
         }
-        Self::upload(commands, size, &codes, &list)
+        if codes.is_empty() {
+            return Ok(None);
+        }
+        Self::upload(commands, size, &codes, &list).map(Some)
     }
 
     /// `shared`: texels with their codes.
@@ -74,16 +76,15 @@ impl Pieces {
         shared: &[(usize, u32)],
         list: &[layout::Piece],
     ) -> Result<Self> {
-        let size = if shared.is_empty() { [1, 1] } else { size };
         let mut codes = vec![0_u32; size[0] as usize * size[1] as usize];
         shared.iter().for_each(|(texel, code)| codes[*texel] = *code);
         let (format, usage) = (PIECES, vk::ImageUsageFlags::STORAGE);
         let desc = ImageDesc { name: "pieces map", size, format, usage, mip_levels: 1 };
-        let codes = commands.upload_image(desc, &codes)?;
+        let codes = Arc::new(commands.upload_image(desc, &codes)?);
         let (bytes, usage) = (size_of_val(list) as u64, vk::BufferUsageFlags::STORAGE_BUFFER);
-        let list =
-            commands.upload(BufferDesc { name: "pieces", size: bytes, usage, location: Location::Device }, list)?;
-        Ok(Self { codes, list, shared_texels: shared.len() as u64 })
+        let desc = BufferDesc { name: "pieces", size: bytes, usage, location: Location::Device };
+        let list = Arc::new(commands.upload(desc, list)?);
+        Ok(Self { codes, list })
     }
 }
 

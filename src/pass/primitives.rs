@@ -60,7 +60,7 @@ impl Radiators {
 }
 
 pub(super) fn encode(scene: &Scene, bvh: &Bvh, features: Features) -> Encoded {
-    let textured = scene.meshes().iter().any(|mesh| !mesh.albedo_uvs().is_empty());
+    let textured = features.contains(Features::TEXTURES);
     let mut encoded = Encoded {
         primitives: vec![bytemuck::Zeroable::zeroed(); bvh.triangles.len()],
         texcoords: vec![bytemuck::Zeroable::zeroed(); if textured { bvh.triangles.len() } else { 0 }],

@@ -1,5 +1,6 @@
 //! The scene on the device.
 
+use super::nothing::Nothing;
 use super::primitives::{self, Encoded, Radiators};
 use crate::bvh::{Bvh, InstanceRecord, Node};
 use crate::error::Result;
@@ -13,6 +14,7 @@ use ash::vk;
 use bytemuck::Zeroable;
 use glam::{DVec3, Vec3};
 use std::ops::Range;
+use std::sync::Arc;
 
 /// The scene's buffers.
 pub(crate) struct DeviceScene {
@@ -23,13 +25,13 @@ pub(crate) struct DeviceScene {
     pub(super) materials: Buffer,
     pub(crate) radiators: Radiators,
     /// What lies in texels beside what the g-buffer has, once somebody has looked.
-    pub(crate) pieces: Buffer,
+    pub(crate) pieces: Arc<Buffer>,
     /// `[primitive]`, where rays are aimed.
     pub(crate) host_primitives: Vec<layout::Primitive>,
-    pub(super) texcoords: Buffer,
-    pub(crate) lights: Buffer,
+    pub(super) texcoords: Arc<Buffer>,
+    pub(crate) lights: Arc<Buffer>,
     pub(crate) light_count: u32,
-    pub(crate) sky: Image,
+    pub(crate) sky: Arc<Image>,
     pub(crate) sky_shines: bool,
     sampler: Sampler,
 }
@@ -47,6 +49,7 @@ impl DeviceScene {
         scene: &Scene,
         bvh: &Bvh,
         features: Features,
+        nothing: &Nothing,
     ) -> Result<Self> {
         let Encoded { primitives, texcoords, radiators } = primitives::encode(scene, bvh, features);
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
@@ -69,15 +72,15 @@ impl DeviceScene {
             hierarchy,
             triangles,
             primitives: upload(commands, "primitives", storage, &primitives)?,
-            pieces: upload::<layout::Piece>(commands, "pieces", storage, &[])?,
+            pieces: nothing.buffer(),
             host_primitives: if features.contains(Features::IMPORTANCE) { primitives } else { Vec::new() },
             instances: upload(commands, "instances", storage, &bvh.instances)?,
             materials: upload(commands, "materials", storage, &radiators.materials)?,
             radiators,
-            texcoords: upload(commands, "texture coordinates", storage, &texcoords)?,
+            texcoords: upload_any(commands, "texture coordinates", &texcoords, nothing)?,
             light_count: lights.len() as u32,
-            lights: upload(commands, "lights", storage, &lights)?,
-            sky: upload_sky(commands, scene.sky())?,
+            lights: upload_any(commands, "lights", &lights, nothing)?,
+            sky: upload_sky(commands, scene.sky(), nothing)?,
             sky_shines: scene.sky().shines(),
             sampler: Sampler::new(gpu, [vk::SamplerAddressMode::CLAMP_TO_EDGE; 2])?,
         })
@@ -202,14 +205,24 @@ fn upload<T: bytemuck::Pod>(
     commands.upload(BufferDesc { name, size, usage, location: Location::Device }, data)
 }
 
-/// A scene without a map has one black pixel, for the binding needs something behind it.
-fn upload_sky(commands: &mut Commands, sky: &Sky) -> Result<Image> {
-    let (size, pixels) = match sky {
-        Sky::Map(map) => ([map.width, map.height], map.pixels.iter().map(|p| p.extend(1.0).to_array()).collect()),
-        _ => ([1, 1], vec![[0.0_f32; 4]]),
-    };
+fn upload_any<T: bytemuck::Pod>(
+    commands: &mut Commands,
+    name: &str,
+    data: &[T],
+    nothing: &Nothing,
+) -> Result<Arc<Buffer>> {
+    if data.is_empty() {
+        return Ok(nothing.buffer());
+    }
+    upload(commands, name, vk::BufferUsageFlags::STORAGE_BUFFER, data).map(Arc::new)
+}
+
+fn upload_sky(commands: &mut Commands, sky: &Sky, nothing: &Nothing) -> Result<Arc<Image>> {
     let (format, usage) = (vk::Format::R32G32B32A32_SFLOAT, vk::ImageUsageFlags::SAMPLED);
-    commands.upload_image(ImageDesc { name: "sky map", size, format, usage, mip_levels: 1 }, &pixels)
+    let Sky::Map(map) = sky else { return Ok(nothing.image(format)) };
+    let (size, pixels) = ([map.width, map.height], map.pixels.iter().map(|pixel| pixel.extend(1.0).to_array()));
+    let desc = ImageDesc { name: "sky map", size, format, usage, mip_levels: 1 };
+    commands.upload_image(desc, &pixels.collect::<Vec<_>>()).map(Arc::new)
 }
 
 pub(crate) fn encode_light(light: &Light, centre: DVec3) -> layout::Light {

@@ -19,7 +19,7 @@ pub(super) struct Textures {
 }
 
 impl Textures {
-    pub(super) fn new(gpu: &Gpu, commands: &mut Commands, scene: &Scene, textured: bool) -> Result<Self> {
+    pub(super) fn new(gpu: &Gpu, commands: &mut Commands, scene: &Scene) -> Result<Self> {
         let usage = vk::ImageUsageFlags::SAMPLED;
         let format = vk::Format::R8G8B8A8_SRGB;
         let white = ImageDesc { name: "white", size: [1, 1], format, usage, mip_levels: 1 };
@@ -29,9 +29,6 @@ impl Textures {
             samplers: Vec::new(),
             plain: Sampler::new(gpu, [vk::SamplerAddressMode::REPEAT; 2])?,
         };
-        if !textured {
-            return Ok(textures);
-        }
         for texture in scene.textures() {
             let size = [texture.width, texture.height];
             let mip_levels = size[0].max(size[1]).ilog2() + 1;

@@ -7,7 +7,8 @@ use super::aiming::{Aiming, Occasion};
 use super::progress::{Clock, Outcome, Progress, Stop, Stretch};
 use super::{BakeSettings, Core, LightMap};
 use crate::epochs::{Bounces, Epoch, Epochs, Stage};
-use crate::error::Result;
+use crate::error::{Error, Result};
+use crate::features::Features;
 use crate::gpu::layout::Push;
 use crate::pass::{ResolveSums, SourceSums};
 use crate::schedule::{Pace, Sweep, Unit};
@@ -74,6 +75,11 @@ impl Still {
         progress: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
     ) -> Result<Outcome> {
         stop.check()?;
+        if stop.error.is_some() && !core.features.contains(Features::HALVES) {
+            return Err(Error::settings(
+                "the bake is to end by its error, and its ErrorEstimate is None; allowed are Told and Adaptive",
+            ));
+        }
         let before = if stretch == Stretch::Part { self.baked } else { Duration::ZERO };
         let clock = Clock::starting_at(before);
         let mut state = match self.state.take() {
@@ -360,7 +366,8 @@ impl Still {
             })?;
             sums = ResolveSums::read(texels);
         }
-        core.statistics.estimated_error = (state.kept >= 2).then_some(sums.relative_mse.sqrt() as f32);
+        core.statistics.estimated_error =
+            (state.kept >= 2 && core.features.contains(Features::HALVES)).then_some(sums.relative_mse.sqrt() as f32);
         core.statistics.seconds.resolve += started.elapsed().as_secs_f64();
         Ok(sums)
     }

@@ -37,7 +37,7 @@ pub(crate) fn run(arguments: &Bake, start: Instant) -> Result<Ending> {
         bounces: arguments.bounces,
         sampling: arguments.sampling.sampling,
         aimed_by: arguments.sampling.aimed_by,
-        adaptive: arguments.adaptive(),
+        error: arguments.error_estimate(),
         seed: arguments.seed,
         ..BakeSettings::default()
     };

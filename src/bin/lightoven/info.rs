@@ -4,7 +4,7 @@ use crate::Ending;
 use crate::arguments::{Info, SceneArguments};
 use crate::{load, messages};
 use lightoven::Result;
-use lightoven::baker::{BakeSettings, MemoryEstimate, estimate_memory};
+use lightoven::baker::{BakeSettings, ErrorEstimate, MemoryEstimate, estimate_memory};
 use lightoven::gpu::DeviceInfo;
 use lightoven::headless::devices;
 use lightoven::scene::{Atlas, LightKind, Scene, Sky};
@@ -116,7 +116,8 @@ fn scene_text(scene: &Scene) -> String {
 
 fn bake_text(scene: &Scene, arguments: &SceneArguments) -> Result<String> {
     // As `bake` does unless it is told otherwise: to an error.
-    let settings = BakeSettings { resolution: arguments.resolution(), adaptive: true, ..BakeSettings::default() };
+    let settings =
+        BakeSettings { resolution: arguments.resolution(), error: ErrorEstimate::Adaptive, ..BakeSettings::default() };
     let (atlas, memory) = estimate_memory(scene, &settings)?;
     let mut text = Text::default();
     layout_text(&mut text, &atlas);

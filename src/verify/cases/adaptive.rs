@@ -1,7 +1,7 @@
 //! Texels that stop when they have converged: the light stays the same, and the rays are fewer.
 
 use super::{Case, Checks};
-use crate::baker::{BakeSettings, Baker, Bounces, LightMap, Sampling, Slice, Statistics, Stop};
+use crate::baker::{BakeSettings, Baker, Bounces, ErrorEstimate, LightMap, Sampling, Slice, Statistics, Stop};
 use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::scene::{Resolution, Scene};
@@ -35,23 +35,23 @@ const FLOORS: [u32; 2] = [0, 2];
 
 type Baked = (LightMap, Statistics);
 
-fn bake(gpu: &Gpu, adaptive: bool, slice: Slice, errors: &[f32], seed: u64) -> Result<Baked> {
+fn bake(gpu: &Gpu, error: ErrorEstimate, slice: Slice, errors: &[f32], seed: u64) -> Result<Baked> {
     let settings = BakeSettings {
         resolution: Resolution::Texels(SIDE),
         bounces: Bounces::Limit(0),
         sampling: Sampling::Cosine,
-        adaptive,
+        error,
         slice,
         seed,
         ..BakeSettings::default()
     };
     let mut baker = Baker::new(gpu, &scene()?, &settings)?;
-    for error in errors {
-        let stop = Stop { error: Some(*error), ..Stop::default() };
+    for target in errors {
+        let stop = Stop { error: Some(*target), ..Stop::default() };
         baker.bake(&stop, &mut |_| ControlFlow::Continue(()))?;
         match baker.statistics().estimated_error {
-            Some(reached) if reached <= *error => {}
-            reached => return Err(broken(format!("an error of {error} was asked for, and {reached:?} is reached"))),
+            Some(reached) if reached <= *target => {}
+            reached => return Err(broken(format!("an error of {target} was asked for, and {reached:?} is reached"))),
         }
     }
     Ok((baker.read_back()?, baker.statistics().clone()))
@@ -60,10 +60,10 @@ fn bake(gpu: &Gpu, adaptive: bool, slice: Slice, errors: &[f32], seed: u64) -> R
 fn the_same_light_with_fewer_rays(gpu: &Gpu, checks: &mut Checks) -> Result<()> {
     let how = How::new(1 << 12, Bounces::Limit(0)).by(Sampling::Mixture { cosine: 0.5 });
     let wanted = Estimate::each_direct(gpu, &scene()?, how, &FLOORS.map(Chart::new))?;
-    let bakes = |adaptive: bool, seeds| -> Result<Vec<Baked>> {
-        (0..seeds).map(|seed| bake(gpu, adaptive, Slice::default(), &[0.1], seed)).collect()
+    let bakes = |error: ErrorEstimate, seeds| -> Result<Vec<Baked>> {
+        (0..seeds).map(|seed| bake(gpu, error, Slice::default(), &[0.1], seed)).collect()
     };
-    let (adaptive, even) = (bakes(true, 16)?, bakes(false, 8)?);
+    let (adaptive, even) = (bakes(ErrorEstimate::Adaptive, 16)?, bakes(ErrorEstimate::Told, 8)?);
     let rays =
         |bakes: &[Baked]| bakes.iter().map(|(_, statistics)| statistics.rays).sum::<u64>() as f64 / bakes.len() as f64;
     checks.at_most("share of the rays", rays(&adaptive) / rays(&even), 0.8);
@@ -107,7 +107,7 @@ fn true_error(reference: &LightMap, bakes: &[Baked]) -> Result<f64> {
 
 fn however_the_work_is_cut(gpu: &Gpu, checks: &mut Checks) -> Result<()> {
     let bits = |slice| -> Result<_> {
-        let (map, statistics) = bake(gpu, true, slice, &[0.2], 5)?;
+        let (map, statistics) = bake(gpu, ErrorEstimate::Adaptive, slice, &[0.2], 5)?;
         Ok((map.pixels.iter().map(|pixel| pixel.map(f32::to_bits)).collect::<Vec<_>>(), statistics.rays))
     };
     let whole = bits(Slice::Texels(u32::MAX))?;
@@ -118,8 +118,8 @@ fn however_the_work_is_cut(gpu: &Gpu, checks: &mut Checks) -> Result<()> {
 
 /// Those that had stopped go on for a smaller error.
 fn another_target(gpu: &Gpu, checks: &mut Checks) -> Result<()> {
-    let (_, first) = bake(gpu, true, Slice::default(), &[0.2], 1)?;
-    let (_, both) = bake(gpu, true, Slice::default(), &[0.2, 0.1], 1)?;
+    let (_, first) = bake(gpu, ErrorEstimate::Adaptive, Slice::default(), &[0.2], 1)?;
+    let (_, both) = bake(gpu, ErrorEstimate::Adaptive, Slice::default(), &[0.2, 0.1], 1)?;
     checks.at_least("rays", both.rays as f64, 2.0 * first.rays as f64 + 1.0);
     checks.holds("texels have more samples", both.samples_per_texel > first.samples_per_texel);
     Ok(())

@@ -7,7 +7,7 @@ pub(crate) use proofs::{Study, StudyArgument, Verify};
 use crate::values::{self, Way};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use glam::Vec3;
-use lightoven::baker::{Bounces, Stop};
+use lightoven::baker::{Bounces, ErrorEstimate, Stop};
 use lightoven::gpu::BackendChoice;
 use lightoven::headless::{HeadlessSettings, Validation};
 use lightoven::io::gltf::SidednessChoice;
@@ -309,8 +309,13 @@ enum BackendArgument {
 
 impl Bake {
     /// Whether texels that have converged stop taking rays: only an estimated error tells which.
-    pub(crate) fn adaptive(&self) -> bool {
-        self.stop().error.is_some() && !self.no_adaptive
+    /// Nobody asks for the error where it neither ends the bake nor is told.
+    pub(crate) fn error_estimate(&self) -> ErrorEstimate {
+        match self.stop().error {
+            Some(_) if !self.no_adaptive => ErrorEstimate::Adaptive,
+            None if self.quiet && self.report.is_none() => ErrorEstimate::None,
+            _ => ErrorEstimate::Told,
+        }
     }
 
     pub(crate) fn stop(&self) -> Stop {
