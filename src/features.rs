@@ -66,8 +66,8 @@ impl Features {
         features
     }
 
-    /// What the scene does without, in words.
-    pub fn left_out(self) -> Vec<&'static str> {
+    /// What the scene does without, in words; a part of it may do without two.
+    pub fn left_out(self) -> Vec<(Self, &'static str)> {
         let words = [
             (Self::INSTANCES, "one instance: no top level of the hierarchy"),
             (Self::SINGLE_SIDED, "no single-sided surface: no back-face tests"),
@@ -83,6 +83,6 @@ impl Features {
             (Self::ADAPTIVE, "the same rays for every texel: none stops before the others"),
             (Self::DYNAMIC, "nothing changes: no running average, no second source map"),
         ];
-        words.into_iter().filter(|(bit, _)| !self.intersects(*bit)).map(|(_, words)| words).collect()
+        words.into_iter().filter(|(bits, _)| !self.intersects(*bits)).collect()
     }
 }

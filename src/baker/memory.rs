@@ -5,54 +5,80 @@ use crate::error::{Error, ErrorKind, Result};
 use crate::features::Features;
 use crate::gpu::DeviceInfo;
 use crate::gpu::layout::GROUP;
-use crate::pass::{DeviceScene, Links, Maps, Sources};
+use crate::pass::{Aim, DeviceScene, Links, Maps, Sources};
 use crate::scene::{Atlas, Scene, Sky};
 
 /// Device memory by what it is for.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct MemoryEstimate {
-    /// Name and bytes.
+    /// Name and bytes of what the bake holds, to about 5 %.
     pub parts: Vec<(&'static str, u64)>,
+    /// The same of what it holds beside them while it is set up.
+    pub set_up: Vec<(&'static str, u64)>,
     /// What the bake needs of the scene; all else is left out.
     pub features: Features,
 }
 
 impl MemoryEstimate {
-    /// All parts together, bytes.
+    /// All that the bake holds, bytes.
     pub fn total(&self) -> u64 {
         self.parts.iter().map(|(_, bytes)| bytes).sum()
     }
 
-    pub(super) fn of(scene: &Scene, size: [u32; 2], mut features: Features) -> Self {
-        let texels = u64::from(size[0]) * u64::from(size[1]);
-        features.set(Features::LINKS, features.contains(Features::LINKS) && Links::rays(texels).is_some());
+    /// What leaving things out saves, in words and bytes; 0 where it saves time alone.
+    pub fn left_out(&self, scene: &Scene, atlas: &Atlas) -> Vec<(&'static str, u64)> {
+        let with = |bits| Self::of(scene, atlas, self.features | bits).most().saturating_sub(self.most());
+        self.features.left_out().into_iter().map(|(bits, words)| (words, with(bits))).collect()
+    }
+
+    /// The most that it ever takes, bytes.
+    pub fn most(&self) -> u64 {
+        self.total() + self.set_up.iter().map(|(_, bytes)| bytes).sum::<u64>()
+    }
+
+    pub(super) fn of(scene: &Scene, atlas: &Atlas, mut features: Features) -> Self {
+        let size = atlas.size.to_array();
+        let (all, baked) = (u64::from(size[0]) * u64::from(size[1]), atlas.touched_texels as u64);
+        let linked_rays = Links::rays(baked).filter(|_| features.contains(Features::LINKS));
+        features.set(Features::LINKS, linked_rays.is_some());
+        let groups = baked.div_ceil(u64::from(GROUP));
         let mut parts: Vec<_> = Maps::bytes(size, sky_size(scene), features).collect();
-        // The g-buffer's depth, the list of texels, the two images of the dilation.
-        parts.extend([("gbuffer depth", texels * 4), ("texels", texels * 4), ("nearest texels", texels * 8)]);
-        if features.contains(Features::CLUSTERS) {
-            parts.push(("clusters", Sources::bytes(texels)));
+        parts.extend([("texels", baked * 4), ("sums", groups * 16), ("nearest texels", all * 8)]);
+        if features.contains(Features::IMPORTANCE) {
+            parts.push(("importance sums", Aim::sums_bytes(size)));
+            let emits = scene.materials().iter().any(crate::scene::Material::is_emissive);
+            // Whether texels are shared is seen when they are looked at.
+            parts.extend(emits.then_some(("pieces map", all * 4)));
         }
-        if features.contains(Features::LINKS) {
-            parts.push(("links", Links::most_bytes(texels)));
+        if features.contains(Features::CLUSTERS) {
+            parts.push(("clusters", all * 4 + Sources::bytes(baked)));
+        }
+        if let Some(rays) = linked_rays {
+            parts.push(("links", Links::bytes(baked, rays)));
         }
         if features.contains(Features::ADAPTIVE) {
-            parts.push(("activity", texels.div_ceil(u64::from(GROUP)) * 4));
+            parts.push(("activity", groups * 4));
         }
         parts.extend(DeviceScene::bytes(scene, features));
-        Self { parts, features }
+        let mut set_up = vec![("gbuffer depth", all * 4)];
+        if features.contains(Features::TEXTURES) {
+            let pixels: u64 = scene.textures().iter().map(|t| u64::from(t.width) * u64::from(t.height)).sum();
+            set_up.push(("textures", pixels * 4 * 4 / 3));
+        }
+        Self { parts, set_up, features }
     }
 
     /// `OutOfMemory` where the device does not have as much.
     pub(super) fn check(&self, size: [u32; 2], info: &DeviceInfo) -> Result<()> {
-        let (total, available) = (self.total(), info.device_memory_bytes);
-        if total <= available {
+        let (most, available) = (self.most(), info.device_memory_bytes);
+        if most <= available {
             return Ok(());
         }
         let [width, height] = size;
         let name = &info.name;
         Err(Error::new(
             ErrorKind::OutOfMemory,
-            format!("a light map of {width} x {height} needs {total} bytes; device '{name}' has {available}"),
+            format!("a light map of {width} x {height} needs {most} bytes; device '{name}' has {available}"),
         ))
     }
 }
@@ -68,6 +94,6 @@ fn sky_size(scene: &Scene) -> [u32; 2] {
 /// As [`Atlas::new`].
 pub fn estimate_memory(scene: &Scene, settings: &BakeSettings) -> Result<(Atlas, MemoryEstimate)> {
     let atlas = Atlas::new(scene, settings.resolution)?;
-    let estimate = MemoryEstimate::of(scene, atlas.size.to_array(), Features::required(scene, settings));
+    let estimate = MemoryEstimate::of(scene, &atlas, Features::required(scene, settings));
     Ok((atlas, estimate))
 }

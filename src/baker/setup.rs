@@ -40,7 +40,7 @@ impl Baker {
         let started = Instant::now();
         let atlas = Atlas::new(scene, settings.resolution)?;
         let features = Features::required(scene, settings);
-        MemoryEstimate::of(scene, atlas.size.to_array(), features).check(atlas.size.to_array(), gpu.info())?;
+        MemoryEstimate::of(scene, &atlas, features).check(atlas.size.to_array(), gpu.info())?;
         let mut statistics = Statistics::default();
         statistics.seconds.gbuffer = started.elapsed().as_secs_f64();
         let started = Instant::now();

@@ -346,6 +346,12 @@ impl Gpu {
         self.allocator().generate_report().total_allocated_bytes
     }
 
+    /// The same by the names of the buffers and images, in no order; those of a name one by one.
+    pub fn allocations(&self) -> Vec<(String, u64)> {
+        let report = self.allocator().generate_report();
+        report.allocations.into_iter().map(|allocation| (allocation.name, allocation.size)).collect()
+    }
+
     /// The queue for set-up and for what the engine submits.
     pub(super) fn queue(&self) -> &Queue {
         &self.inner.queue

@@ -25,6 +25,11 @@ impl Aim {
         Ok(Some(Self { leaves: Importance::new(context)?, clusters }))
     }
 
+    /// Bytes of what a map of this size is summed up in for the host.
+    pub(crate) fn sums_bytes(size: [u32; 2]) -> u64 {
+        Importance::sums_bytes(size)
+    }
+
     /// On nothing: drivers that compile at the first use do so here. `push`: of a map of no texels.
     pub(crate) fn record_first_use(&self, recorder: &mut Recorder<'_>, push: &Push) {
         self.leaves.record_leaves(recorder, push, 0, 0..1, true);

@@ -29,13 +29,8 @@ impl Links {
         RAYS.into_iter().find(|rays| Self::bytes(texels, *rays) <= MOST_BYTES)
     }
 
-    /// Bytes that links may take of a map of so many texels, some of which may lie on no surface.
-    pub(crate) fn most_bytes(texels: u64) -> u64 {
-        Self::bytes(texels, RAYS[0]).min(MOST_BYTES)
-    }
-
     /// Bytes of so many links for each texel.
-    fn bytes(texels: u64, rays: u32) -> u64 {
+    pub(crate) fn bytes(texels: u64, rays: u32) -> u64 {
         texels * u64::from(rays) * size_of::<Link>() as u64
     }
 

@@ -104,13 +104,14 @@ impl Sources {
 }
 
 impl Sources {
-    /// Bytes that a map of so many texels takes, at most.
+    /// Bytes of so many texels, about, without their seats.
     pub(crate) fn bytes(texels: u64) -> u64 {
-        // Seat, place and sum of each texel, two tables of groups by clusters. Groups are from half full to full, but for one
-        // of each cluster.
+        // Place and sum of each texel, two tables of groups by clusters. Halving makes groups from half full to full.
         let clusters = texels.min(MOST_CLUSTERS as u64);
-        let groups = 2 * texels.div_ceil(LEAST_GROUP_SITES as u64).min(MOST_GROUPS as u64) + clusters;
-        12 * texels + clusters * (size_of::<layout::Cluster>() as u64 + 8 * groups)
+        let sites = LEAST_GROUP_SITES.max((texels as usize).div_ceil(MOST_GROUPS)) as f64;
+        let halved = texels as f64 / (sites * std::f64::consts::LN_2);
+        let groups = (halved as u64).max(clusters);
+        8 * texels + clusters * (size_of::<layout::Cluster>() as u64 + 8 * groups) + 4 * groups
     }
 }
 

@@ -68,8 +68,7 @@ impl Importance {
     pub(crate) fn new(context: Context<'_>) -> Result<Self> {
         let maps = context.maps;
         let pyramid = Pyramid::over(maps.size);
-        let [columns, rows] = groups(pyramid.base);
-        let size = u64::from(columns) * u64::from(rows) * (SUMS * 16) as u64;
+        let size = Self::sums_bytes(maps.size);
         let usage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let desc = BufferDesc { name: "importance sums", size, usage, location: Location::ReadBack };
         let sums = Buffer::new(context.gpu, desc)?;
@@ -98,6 +97,11 @@ impl Importance {
         let has_sky = Features::from_bits_retain(context.constants.features).contains(Features::SKY_MAP);
         let sky = has_sky.then(|| Pyramid::over(context.scene.sky_size()));
         Ok(Self { pipeline, sets, sky_set, pyramid, sky, sums })
+    }
+
+    pub(super) fn sums_bytes(size: [u32; 2]) -> u64 {
+        let [columns, rows] = groups(Pyramid::over(size).base);
+        u64::from(columns) * u64::from(rows) * (SUMS * 16) as u64
     }
 
     /// Rows of work groups of level 0: what [`Importance::record_leaves`] may be cut into.

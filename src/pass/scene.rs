@@ -165,16 +165,14 @@ impl DeviceScene {
         let triangles: u64 = meshes.map(|(_, mesh)| mesh.len() as u64).sum();
         let size = |bytes: usize, count: u64| bytes as u64 * count;
         let mut parts = vec![
-            // About one node for two triangles that share leaves of two; measured .5 to .9 on game levels.
-            ("nodes", size(size_of::<Node>(), triangles * 7 / 10 + 1)),
+            // Leaves of up to four; measured .27 to .54 nodes a triangle.
+            ("nodes", size(size_of::<Node>(), triangles * 2 / 5 + 1)),
             ("triangles", size(size_of::<crate::bvh::Triangle>(), triangles)),
             ("primitives", size(size_of::<layout::Primitive>(), triangles)),
             ("instances", size(size_of::<InstanceRecord>(), scene.instances().len() as u64)),
         ];
         if features.contains(Features::TEXTURES) {
-            let pixels: u64 = scene.textures().iter().map(|t| u64::from(t.width) * u64::from(t.height)).sum();
             parts.push(("texture coordinates", size(size_of::<layout::Texcoords>(), triangles)));
-            parts.push(("textures", pixels * 4 * 4 / 3));
         }
         if let Sky::Map(map) = scene.sky() {
             parts.push(("sky map", size(16, map.pixels.len() as u64)));

@@ -123,8 +123,11 @@ fn bake_text(scene: &Scene, arguments: &SceneArguments) -> Result<String> {
     layout_text(&mut text, &atlas);
     memory_text(&mut text, &memory);
     text.line("left out");
-    let left_out = memory.features.left_out();
-    left_out.iter().for_each(|what| text.line(format_args!("  {what}")));
+    let left_out = memory.left_out(scene, &atlas);
+    for (what, saved) in &left_out {
+        let saved = if *saved > 0 { format!(" ({} saved)", bytes(*saved)) } else { String::new() };
+        text.line(format_args!("  {what}{saved}"));
+    }
     if left_out.is_empty() {
         text.line("  nothing");
     }
@@ -148,6 +151,9 @@ fn memory_text(text: &mut Text, memory: &MemoryEstimate) {
         text.entry(name, bytes(*size));
     }
     text.entry("total", bytes(memory.total()));
+    for (name, size) in &memory.set_up {
+        text.entry(name, format_args!("{} (set-up)", bytes(*size)));
+    }
 }
 
 /// Bytes in the largest unit of 1024 that leaves at least 1.

@@ -105,6 +105,7 @@ pub(super) fn atlas(scene: &Scene) -> Atlas {
         rects: vec![rect; scene.instances().len()],
         shared: true,
         covered_texels: 1,
+        touched_texels: 1,
         overlapping_texels: 0,
     }
 }

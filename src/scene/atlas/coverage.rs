@@ -1,4 +1,4 @@
-//! Counts texels whose centre lies in more than one triangle.
+//! Counts texels that triangles touch, and those whose centre lies in more than one.
 
 use glam::{UVec2, Vec2};
 
@@ -13,6 +13,8 @@ pub(super) struct Coverage {
     size: UVec2,
     /// `[texel]`, row-major: instance + 1; 0: none.
     owners: Vec<u32>,
+    /// `[texel]`: some triangle has a part of it.
+    touched: Vec<bool>,
     /// Texels covered at least once.
     pub(super) covered: usize,
     /// Texels that two instances cover.
@@ -23,8 +25,15 @@ pub(super) struct Coverage {
 
 impl Coverage {
     pub(super) fn new(size: UVec2) -> Self {
-        let owners = vec![0; size.x as usize * size.y as usize];
-        Self { size, owners, covered: 0, between_instances: 0, within_instance: 0 }
+        let texels = size.x as usize * size.y as usize;
+        Self {
+            size,
+            owners: vec![0; texels],
+            touched: vec![false; texels],
+            covered: 0,
+            between_instances: 0,
+            within_instance: 0,
+        }
     }
 
     /// Adds a triangle; corners in texels.
@@ -39,16 +48,24 @@ impl Coverage {
         let span = |lo: i64, hi: i64, limit: u32| {
             ((lo / one).clamp(0, i64::from(limit)), (hi / one + 1).clamp(0, i64::from(limit)))
         };
+        let is_flat = cross(a, b, c) == 0;
         let (x0, x1) = span(a.0.min(b.0).min(c.0), a.0.max(b.0).max(c.0), self.size.x);
         let (y0, y1) = span(a.1.min(b.1).min(c.1), a.1.max(b.1).max(c.1), self.size.y);
         for y in y0..y1 {
             for x in x0..x1 {
                 let centre = (x * one + one / 2, y * one + one / 2);
+                let texel = x as usize + y as usize * self.size.x as usize;
+                self.touched[texel] |= !is_flat && touches([a, b, c], centre, one / 2);
                 if inside(a, b, centre) && inside(b, c, centre) && inside(c, a, centre) {
-                    self.claim(instance, x as usize + y as usize * self.size.x as usize);
+                    self.claim(instance, texel);
                 }
             }
         }
+    }
+
+    /// Texels that the g-buffer will fill, but for what rounds the other way.
+    pub(super) fn touched(&self) -> usize {
+        self.touched.iter().filter(|touched| **touched).count()
     }
 
     fn claim(&mut self, instance: u32, texel: usize) {
@@ -72,6 +89,14 @@ impl Coverage {
 
 fn cross(a: (i64, i64), b: (i64, i64), p: (i64, i64)) -> i64 {
     (b.0 - a.0) * (p.1 - a.1) - (b.1 - a.1) * (p.0 - a.0)
+}
+
+/// Whether no edge has the whole texel on its outer side, as `glsl/include/gbuffer.glsl` has it.
+fn touches([a, b, c]: [(i64, i64); 3], centre: (i64, i64), half: i64) -> bool {
+    [(a, b), (b, c), (c, a)].into_iter().all(|(from, to)| {
+        let reach = half * ((to.0 - from.0).abs() + (to.1 - from.1).abs());
+        cross(from, to, centre) >= -reach
+    })
 }
 
 /// Left of the edge, or on it where the edge is a top or a left one.

@@ -40,6 +40,8 @@ pub struct Atlas {
     pub shared: bool,
     /// Texels whose centre a surface covers. The bake also fills those that a surface only touches.
     pub covered_texels: usize,
+    /// Texels that a surface covers or touches: about those that are baked.
+    pub touched_texels: usize,
     /// Texels whose centre is covered more than once: their light is that of one of the surfaces.
     pub overlapping_texels: usize,
 }
@@ -84,7 +86,14 @@ impl Atlas {
 
     fn laid_out(size: UVec2, rects: Vec<AtlasRect>, shared: bool, coverage: &Coverage) -> Self {
         let overlapping_texels = coverage.between_instances + coverage.within_instance;
-        Self { size, rects, shared, covered_texels: coverage.covered, overlapping_texels }
+        Self {
+            size,
+            rects,
+            shared,
+            covered_texels: coverage.covered,
+            touched_texels: coverage.touched(),
+            overlapping_texels,
+        }
     }
 }
 

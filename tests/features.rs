@@ -1,0 +1,113 @@
+//! What a scene does not need is left out, and leaving it out changes nothing.
+#![expect(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
+#[path = "common/device.rs"]
+mod device;
+#[path = "common/shared_scenes.rs"]
+mod shared_scenes;
+
+use device::on_both_back_ends;
+use lightoven::Features;
+use lightoven::baker::{BakeSettings, Baker, ErrorEstimate, LightMap, Sampling, Stop, estimate_memory};
+use lightoven::gpu::{Backend, Gpu};
+use lightoven::io::gltf::{self, ReadSettings, SidednessChoice};
+use lightoven::scene::{Resolution, Scene};
+use shared_scenes::shared_scene;
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+
+on_both_back_ends!(the_same_bits, the_same_light, as_much_as_was_estimated);
+
+const ASSETS: [&str; 5] = ["cornell", "courtyard", "doorway", "furnace", "tiny_lamp"];
+const LEVELS: [&str; 2] = ["wrackdm17.glb", "islandctf.glb"];
+
+/// Name and scene of every asset, and of the levels that are there.
+fn scenes() -> impl Iterator<Item = (&'static str, Scene)> {
+    let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets");
+    let assets = ASSETS.map(|name| (name, Some(assets.join(name).with_extension("gltf"))));
+    let levels = LEVELS.map(|name| (name, shared_scene(name)));
+    let read = |path: PathBuf| gltf::read(&path, &read_settings(&path)).unwrap();
+    assets.into_iter().chain(levels).filter_map(move |(name, path)| Some((name, read(path?))))
+}
+
+/// Levels are meant to be seen from both sides.
+fn read_settings(path: &Path) -> ReadSettings {
+    let is_level = path.extension().is_some_and(|extension| extension == "glb");
+    let sidedness = if is_level { SidednessChoice::AllDouble } else { SidednessChoice::default() };
+    ReadSettings { sidedness, ..ReadSettings::default() }
+}
+
+/// Nothing that a scene is not known to need.
+fn sparing(unneeded: Features) -> BakeSettings {
+    let resolution = Resolution::Texels(64);
+    BakeSettings { resolution, sampling: Sampling::Cosine, error: ErrorEstimate::None, unneeded, ..Default::default() }
+}
+
+fn bake(gpu: &Gpu, scene: &Scene, settings: BakeSettings) -> LightMap {
+    let mut baker = Baker::new(gpu, scene, &settings).unwrap();
+    let stop = Stop { samples: Some(128), ..Stop::default() };
+    baker.bake(&stop, &mut |_| ControlFlow::Continue(())).unwrap();
+    baker.read_back().unwrap()
+}
+
+/// All at once, but for what is in [`OTHER_ROUNDING`].
+fn the_same_bits(gpu: &Gpu) {
+    for (name, scene) in scenes() {
+        let unneeded = Features::LEFT_OUT_AT_WILL.difference(OTHER_ROUNDING);
+        let needed = Features::required(&scene, &sparing(Features::empty()));
+        assert!(unneeded.difference(needed).bits().count_ones() > 5, "{name}: nothing is left out");
+        let [least, most] = [Features::empty(), unneeded].map(|unneeded| bake(gpu, &scene, sparing(unneeded)));
+        let bits = |map: &LightMap| map.pixels.iter().map(|pixel| pixel.map(f32::to_bits)).collect::<Vec<_>>();
+        let differ = bits(&least).iter().zip(bits(&most)).filter(|(one, other)| *one != other).count();
+        assert_eq!(differ, 0, "{name}: texels differ");
+        assert!(least.pixels.iter().any(|pixel| pixel[1] > 0.0), "{name}: nothing is lit");
+    }
+}
+
+/// What may change bits: a top level over a single instance, whose rays are then traced in the mesh's own space; and rays that
+/// may be aimed, and are not, for the bounces then have two sets of rays, of which the second is kept.
+const OTHER_ROUNDING: Features = Features::INSTANCES.union(Features::IMPORTANCE);
+
+/// Over seeds, what differs is noise.
+fn the_same_light(gpu: &Gpu) {
+    const SEEDS: u64 = 8;
+    for (name, scene) in scenes() {
+        let needed = Features::required(&scene, &sparing(Features::empty()));
+        let mean = |unneeded, seed| {
+            let map = bake(gpu, &scene, BakeSettings { seed, ..sparing(unneeded) });
+            map.pixels.iter().map(|pixel| f64::from(pixel[1])).sum::<f64>() / map.pixels.len() as f64
+        };
+        let least: Vec<f64> = (0..SEEDS).map(|seed| mean(Features::empty(), seed)).collect();
+        for unneeded in OTHER_ROUNDING.difference(needed) {
+            let level = least.iter().sum::<f64>() / least.len() as f64;
+            let apart = (0..).zip(&least).map(|(seed, least)| (mean(unneeded, seed) - least) / level);
+            let apart: Vec<f64> = apart.collect();
+            let (count, off) = (apart.len() as f64, apart.iter().sum::<f64>() / apart.len() as f64);
+            let variance = apart.iter().map(|apart| (apart - off).powi(2)).sum::<f64>() / (count - 1.0);
+            let bound = 4.0 * (variance / count).sqrt() + 1e-4;
+            assert!(off.abs() < bound && bound < 0.02, "{name} with {unneeded:?}: {off:+.1e}, {bound:.1e} allowed");
+        }
+    }
+}
+
+/// Of device memory, whatever is needed: within 5 %. How large a driver makes its acceleration structures it alone knows.
+fn as_much_as_was_estimated(gpu: &Gpu) {
+    for (name, scene) in scenes() {
+        for settings in [sparing(Features::empty()), sparing(Features::LEFT_OUT_AT_WILL), BakeSettings::default()] {
+            let settings = BakeSettings { resolution: Resolution::Texels(256), ..settings };
+            let before = gpu.allocated_bytes();
+            let estimate = estimate_memory(&scene, &settings).unwrap().1;
+            let baker = Baker::new(gpu, &scene, &settings).unwrap();
+            let taken = gpu.allocated_bytes() - before;
+            let off = estimate.total() as f64 / taken as f64 - 1.0;
+            assert!(
+                off.abs() < if gpu.backend() == Backend::Software { 0.05 } else { 0.1 },
+                "{name}: {off:+.3} of {taken}: {:?}, {:?}",
+                estimate.parts,
+                gpu.allocations()
+            );
+            drop(baker);
+            assert_eq!(gpu.allocated_bytes(), before, "{name}: memory stays");
+        }
+    }
+}
