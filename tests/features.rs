@@ -64,28 +64,23 @@ fn the_same_bits(gpu: &Gpu) {
     }
 }
 
-/// What may change bits: a top level over a single instance, whose rays are then traced in the mesh's own space; and rays that
+/// What changes bits: a top level over a single instance, whose rays are then traced in the mesh's own space; and rays that
 /// may be aimed, and are not, for the bounces then have two sets of rays, of which the second is kept.
 const OTHER_ROUNDING: Features = Features::INSTANCES.union(Features::IMPORTANCE);
 
-/// Over seeds, what differs is noise.
+/// But for single texels, in which a wall stands or not, or a ray that found a lamp passes it, as rounding has it: 19 at most.
 fn the_same_light(gpu: &Gpu) {
-    const SEEDS: u64 = 8;
     for (name, scene) in scenes() {
-        let needed = Features::required(&scene, &sparing(Features::empty()));
-        let mean = |unneeded, seed| {
-            let map = bake(gpu, &scene, BakeSettings { seed, ..sparing(unneeded) });
-            map.pixels.iter().map(|pixel| f64::from(pixel[1])).sum::<f64>() / map.pixels.len() as f64
-        };
-        let least: Vec<f64> = (0..SEEDS).map(|seed| mean(Features::empty(), seed)).collect();
-        for unneeded in OTHER_ROUNDING.difference(needed) {
-            let level = least.iter().sum::<f64>() / least.len() as f64;
-            let apart = (0..).zip(&least).map(|(seed, least)| (mean(unneeded, seed) - least) / level);
-            let apart: Vec<f64> = apart.collect();
-            let (count, off) = (apart.len() as f64, apart.iter().sum::<f64>() / apart.len() as f64);
-            let variance = apart.iter().map(|apart| (apart - off).powi(2)).sum::<f64>() / (count - 1.0);
-            let bound = 4.0 * (variance / count).sqrt() + 1e-4;
-            assert!(off.abs() < bound && bound < 0.02, "{name} with {unneeded:?}: {off:+.1e}, {bound:.1e} allowed");
+        let least = bake(gpu, &scene, sparing(Features::empty()));
+        let level = least.pixels.iter().map(|pixel| pixel[1]).sum::<f32>() / least.pixels.len() as f32;
+        for unneeded in OTHER_ROUNDING.difference(Features::required(&scene, &sparing(Features::empty()))) {
+            let map = bake(gpu, &scene, sparing(unneeded));
+            let apart = |(one, other): (&[f32; 4], &[f32; 4])| (one[1] - other[1]).abs() / level;
+            let apart: Vec<f32> = least.pixels.iter().zip(&map.pixels).map(apart).collect();
+            let far = apart.iter().filter(|apart| **apart > 0.05).count();
+            assert!(far <= apart.len() / 100, "{name} with {unneeded:?}: {far} texels of {} differ", apart.len());
+            let mean = apart.iter().filter(|apart| **apart <= 0.05).sum::<f32>() / apart.len() as f32;
+            assert!(mean < 2e-3, "{name} with {unneeded:?}: {mean} apart in the mean");
         }
     }
 }
