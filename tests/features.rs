@@ -34,7 +34,7 @@ fn scenes() -> impl Iterator<Item = (&'static str, Scene)> {
 fn read_settings(path: &Path) -> ReadSettings {
     let is_level = path.extension().is_some_and(|extension| extension == "glb");
     let sidedness = if is_level { SidednessChoice::AllDouble } else { SidednessChoice::default() };
-    ReadSettings { sidedness, ..ReadSettings::default() }
+    ReadSettings { sidedness }
 }
 
 /// Nothing that a scene is not known to need.

@@ -5,6 +5,13 @@ use crate::error::{Error, Result};
 use crate::features::Features;
 use crate::scene::Scene;
 
+/// What is built on something else, from the top.
+const STANDS_ON: [(Features, Features); 3] = [
+    (Features::VISIBILITY, Features::CLUSTERS),
+    (Features::CLUSTERS, Features::IMPORTANCE),
+    (Features::ADAPTIVE, Features::HALVES),
+];
+
 impl Features {
     /// Those that may be switched on without being needed.
     pub const LEFT_OUT_AT_WILL: Self = Self::INSTANCES
@@ -41,7 +48,14 @@ impl Features {
         features.set(Self::LINKS, is_still && reflects && bounces > 1);
         features.set(Self::HALVES, is_still && settings.error != ErrorEstimate::None);
         features.set(Self::ADAPTIVE, is_still && settings.error == ErrorEstimate::Adaptive);
-        features | settings.unneeded
+        (features | settings.unneeded).with_what_they_stand_on()
+    }
+
+    fn with_what_they_stand_on(mut self) -> Self {
+        for (above, below) in STANDS_ON {
+            self.set(below, self.intersects(above | below));
+        }
+        self
     }
 }
 
@@ -56,4 +70,59 @@ pub(super) fn check_unneeded(settings: &BakeSettings) -> Result<()> {
         return Ok(());
     }
     Err(Error::settings(format!("{other:?} cannot be switched on where it is not needed; allowed are {allowed:?}")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Material, SceneDesc};
+
+    fn scene(albedo: f32) -> Scene {
+        let material = Material { albedo: glam::Vec3::splat(albedo), ..Material::default() };
+        Scene::new(SceneDesc { materials: vec![material], ..SceneDesc::default() }).expect("is valid")
+    }
+
+    fn needs(settings: BakeSettings) -> Features {
+        Features::required(&scene(0.5), &settings)
+    }
+
+    #[test]
+    fn settings_decide_what_the_scene_does_not() {
+        let cosine = BakeSettings { sampling: Sampling::Cosine, ..BakeSettings::default() };
+        let aims = Features::IMPORTANCE | Features::CLUSTERS | Features::VISIBILITY;
+        assert!(needs(BakeSettings::default()).contains(aims | Features::LINKS | Features::HALVES));
+        assert!(!needs(cosine.clone()).intersects(aims | Features::ADAPTIVE));
+        let by_power = BakeSettings { aimed_by: AimedBy::Power, ..BakeSettings::default() };
+        assert_eq!(needs(by_power) & aims, Features::IMPORTANCE);
+        let error = |error| needs(BakeSettings { error, ..cosine.clone() }) & (Features::HALVES | Features::ADAPTIVE);
+        assert_eq!(error(ErrorEstimate::None), Features::empty());
+        assert_eq!(error(ErrorEstimate::Told), Features::HALVES);
+        assert_eq!(error(ErrorEstimate::Adaptive), Features::HALVES | Features::ADAPTIVE);
+        let once = BakeSettings { bounces: Bounces::Limit(1), ..cosine.clone() };
+        assert!(!needs(once).contains(Features::LINKS) && needs(cosine.clone()).contains(Features::LINKS));
+        assert!(!Features::required(&scene(0.0), &cosine).contains(Features::LINKS));
+    }
+
+    #[test]
+    fn what_stands_on_something_brings_it_along() {
+        let with = |unneeded| {
+            needs(BakeSettings {
+                sampling: Sampling::Cosine,
+                error: ErrorEstimate::None,
+                unneeded,
+                ..BakeSettings::default()
+            })
+        };
+        assert!(with(Features::VISIBILITY).contains(Features::CLUSTERS | Features::IMPORTANCE));
+        assert!(with(Features::ADAPTIVE).contains(Features::HALVES));
+        assert!(!with(Features::HALVES).intersects(Features::ADAPTIVE | Features::IMPORTANCE));
+    }
+
+    #[test]
+    fn what_cannot_be_switched_on_is_refused() {
+        let check = |unneeded| check_unneeded(&BakeSettings { unneeded, ..BakeSettings::default() });
+        assert!(check(Features::LEFT_OUT_AT_WILL).is_ok());
+        let error = check(Features::DYNAMIC).expect_err("must be refused").to_string();
+        assert!(error.contains("DYNAMIC") && error.contains("INSTANCES"), "{error}");
+    }
 }

@@ -256,6 +256,9 @@ pub(crate) struct Bench {
     /// Measure instead how cost grows, by the back end that a bake takes: time and memory of sizes each four times the last
     #[arg(long, value_enum, value_name = "triangles|texels|both")]
     pub(crate) growth: Option<GrowthArgument>,
+    /// Measure instead what each thing that the scene does not need would cost if it were there
+    #[arg(long, conflicts_with_all = ["growth", "order"])]
+    pub(crate) features: bool,
     /// With --growth: most triangles that the scene is subdivided into, about, from 1024 on
     #[arg(long, value_name = "N", default_value_t = 1 << 22, value_parser = values::most_triangles, allow_negative_numbers = true, requires = "growth")]
     pub(crate) most_triangles: u32,

@@ -1,6 +1,8 @@
-//! `lightoven bench`: rays a second of each back end and of obvhs on the CPU, side by side; and how cost grows.
+//! `lightoven bench`: rays a second of each back end and of obvhs on the CPU, side by side; how cost
+//! grows; and what leaving things out saves.
 
 mod cpu;
+mod features;
 mod figures;
 pub(crate) mod growth;
 mod report;
@@ -37,6 +39,11 @@ pub(crate) fn run(arguments: &Bench, start: Instant) -> Result<Ending> {
         let measured = growth::measure(arguments, growth, &scene, &bar, start)?;
         drop(bar);
         return tell(arguments, measured, growth::Report::text);
+    }
+    if arguments.features {
+        let measured = features::measure(arguments, &scene, &bar, start)?;
+        drop(bar);
+        return tell(arguments, measured, features::Report::text);
     }
     let devices = devices(arguments)?;
     let mut measured = measure(arguments, &scene, &devices, &bar)?;

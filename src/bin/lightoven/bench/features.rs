@@ -1,0 +1,206 @@
+//! `lightoven bench --features`: what each thing that the scene does not need would cost if it were there all the same.
+
+use super::figures::Spread;
+use crate::arguments::Bench;
+use crate::progress::Bar;
+use crate::{device, interrupt};
+use lightoven::baker::{BakeSettings, Baker, ErrorEstimate, Sampling, Stop, estimate_memory};
+use lightoven::gpu::Gpu;
+use lightoven::scene::Scene;
+use lightoven::{Error, ErrorKind, Features, Result};
+use serde::Serialize;
+use std::fmt::Write as _;
+use std::ops::ControlFlow;
+use std::time::Instant;
+
+/// Rays a texel of a pass, as a bake's quanta have.
+const PASS_RAYS: u32 = 64;
+
+/// The report of `bench --features`. Its names are stable: others are only added.
+#[derive(Debug, Serialize)]
+pub(super) struct Report {
+    scene: String,
+    device: String,
+    driver: String,
+    backend: &'static str,
+    /// Texels that take rays.
+    texels: u64,
+    rounds: u32,
+    /// The first is without any, the last with all.
+    rows: Vec<Row>,
+    seconds: Seconds,
+}
+
+#[derive(Debug, Serialize)]
+struct Seconds {
+    /// The whole command.
+    total: f64,
+}
+
+/// A bake with what it does not need.
+#[derive(Debug, Serialize)]
+struct Row {
+    /// What was switched on: names of features, in capitals.
+    switched_on: Vec<String>,
+    /// Millions.
+    mrays_per_s: Spread,
+    /// Of a pass of 64 rays a texel, milliseconds.
+    pass_ms: Spread,
+    /// Time over that without any, round by round.
+    time_ratio: Spread,
+    /// Device memory at most, bytes, and without any.
+    bytes: u64,
+    least_bytes: u64,
+    /// Making the pipelines and using each of them once, seconds: next to nothing where the driver has kept them.
+    compile_seconds: f64,
+}
+
+/// A bake that goes on round by round.
+struct Subject {
+    switched_on: Features,
+    baker: Baker,
+    bytes: u64,
+    /// Seconds and rays of each round.
+    rounds: Vec<(f64, u64)>,
+}
+
+/// Nothing that the scene is not known to need.
+fn settings(arguments: &Bench, unneeded: Features) -> BakeSettings {
+    let resolution = arguments.how.resolution();
+    BakeSettings {
+        resolution,
+        sampling: Sampling::Cosine,
+        error: ErrorEstimate::None,
+        unneeded,
+        ..BakeSettings::default()
+    }
+}
+
+impl Subject {
+    fn new(gpu: &Gpu, arguments: &Bench, scene: &Scene, switched_on: Features) -> Result<Self> {
+        let settings = settings(arguments, switched_on);
+        let bytes = estimate_memory(scene, &settings)?.1.most();
+        let mut subject = Self { switched_on, baker: Baker::new(gpu, scene, &settings)?, bytes, rounds: Vec::new() };
+        // Past the bounces, and what compiles at its first use.
+        subject.round(1)?;
+        subject.rounds.clear();
+        Ok(subject)
+    }
+
+    /// Goes on until there are so many passes.
+    fn round(&mut self, passes: u32) -> Result<()> {
+        let told = |baker: &Baker| (baker.statistics().seconds.bake, baker.statistics().rays);
+        let before = told(&self.baker);
+        let stop = Stop { samples: Some(passes * PASS_RAYS), ..Stop::default() };
+        self.baker.bake(&stop, &mut |_| ControlFlow::Continue(()))?;
+        let after = told(&self.baker);
+        self.rounds.push((after.0 - before.0, after.1 - before.1));
+        Ok(())
+    }
+
+    fn row(&self, least: &Self) -> Option<Row> {
+        let ns = |(seconds, rays): &(f64, u64)| seconds / (*rays as f64).max(1.0);
+        let rays_of_pass = self.baker.statistics().texels as f64 * f64::from(PASS_RAYS);
+        let of = |figure: &dyn Fn(f64) -> f64| Spread::of(self.rounds.iter().map(|round| figure(ns(round))));
+        let ratios = self.rounds.iter().zip(&least.rounds).map(|(one, other)| ns(one) / ns(other).max(1e-15));
+        Some(Row {
+            switched_on: self.switched_on.iter_names().map(|(name, _)| name.to_owned()).collect(),
+            mrays_per_s: of(&|seconds| 1e-6 / seconds.max(1e-15))?,
+            pass_ms: of(&|seconds| 1e3 * seconds * rays_of_pass)?,
+            time_ratio: Spread::of(ratios)?,
+            bytes: self.bytes,
+            least_bytes: least.bytes,
+            compile_seconds: self.baker.statistics().seconds.compile,
+        })
+    }
+}
+
+/// `None` when it was interrupted.
+///
+/// # Errors
+/// `InvalidSettings` for a scene that needs everything.
+pub(super) fn measure(arguments: &Bench, scene: &Scene, bar: &Bar, start: Instant) -> Result<Option<Report>> {
+    let device = device::open(&arguments.device)?;
+    let gpu = device.gpu();
+    let needed = Features::required(scene, &settings(arguments, Features::empty()));
+    let unneeded = Features::LEFT_OUT_AT_WILL.difference(needed);
+    if unneeded.is_empty() {
+        let context = "the scene needs all that could be left out: there is nothing to measure";
+        return Err(Error::new(ErrorKind::InvalidSettings, context));
+    }
+    let each = std::iter::once(Features::empty()).chain(unneeded.iter()).chain([unneeded]);
+    let mut subjects = Vec::new();
+    for switched_on in each {
+        if interrupt::requested() {
+            return Ok(None);
+        }
+        bar.say(format!("preparing {switched_on:?}"));
+        subjects.push(Subject::new(gpu, arguments, scene, switched_on)?);
+    }
+    // The same work in every round and for all: about as many rays as asked for.
+    let texels = subjects[0].baker.statistics().texels;
+    let passes = u64::from(arguments.rays).div_ceil((texels * u64::from(PASS_RAYS)).max(1)) as u32;
+    for round in 0..arguments.rounds {
+        bar.say(format!("round {} of {}", round + 1, arguments.rounds));
+        for subject in &mut subjects {
+            if interrupt::requested() {
+                return Ok(None);
+            }
+            subject.round(1 + (round + 1) * passes)?;
+        }
+    }
+    device::fail_on_validation(&device)?;
+    let rows = subjects.iter().filter_map(|subject| subject.row(&subjects[0])).collect();
+    Ok(Some(Report {
+        scene: scene.name().to_owned(),
+        device: gpu.info().name.clone(),
+        driver: gpu.info().driver.clone(),
+        backend: gpu.backend().name(),
+        texels,
+        rounds: arguments.rounds,
+        rows,
+        seconds: Seconds { total: start.elapsed().as_secs_f64() },
+    }))
+}
+
+impl Report {
+    pub(super) fn text(&self) -> String {
+        let Self { scene, device, driver, backend, texels, rounds, .. } = self;
+        let mut text = format!(
+            "scene    {scene}, {texels} texels\ndevice   {device}, {driver}, {backend}\nrounds   {rounds}; time and bytes are \
+             those of a bake without any of it, and what is added\n"
+        );
+        let mut line = |cells: [&str; 7]| {
+            let [name, mrays, pass, ratio, spread, bytes, compile] = cells;
+            // Writing to a string cannot fail.
+            let _ = writeln!(text, "{name:<16}{mrays:>9}{pass:>10}{ratio:>9}  {spread:<16}{bytes:>12}{compile:>11}");
+        };
+        line(["switched on", "Mrays/s", "pass ms", "time", "", "KiB", "compile s"]);
+        for row in &self.rows {
+            let name = match row.switched_on.as_slice() {
+                [] => "none".to_owned(),
+                [one] => one.to_lowercase(),
+                _ => "all".to_owned(),
+            };
+            let percent = |ratio: f64| format!("{:+.1} %", 100.0 * (ratio - 1.0));
+            let Spread { least, median, most } = row.time_ratio;
+            let is_base = row.switched_on.is_empty();
+            let (time, spread, kib) = if is_base {
+                (String::new(), String::new(), (row.bytes / 1024).to_string())
+            } else {
+                let spread = format!("{} to {}", percent(least), percent(most));
+                (percent(median), spread, format!("+{}", row.bytes.saturating_sub(row.least_bytes) / 1024))
+            };
+            line([
+                &name,
+                &format!("{:.2}", row.mrays_per_s.median),
+                &format!("{:.1}", row.pass_ms.median),
+                &time,
+                &spread,
+                &kib,
+                &format!("{:.2}", row.compile_seconds),
+            ]);
+        }
+        text
+    }
+}
