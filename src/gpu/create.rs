@@ -1,6 +1,7 @@
 //! Makes an instance and a device of our own.
 
-use super::device::{Backend, Gpu, Loaded, OwnedInstance, Owner, Queue, RawQueue};
+use super::backend::Backend;
+use super::device::{Gpu, Loaded, OwnedInstance, Owner, Queue, RawQueue};
 use super::info::{DeviceInfo, Messages, describe, queue_family};
 use super::requirements::{FeatureChain, Requirements};
 use super::vulkan_error;

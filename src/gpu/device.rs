@@ -1,64 +1,16 @@
 //! The device that everything runs on.
 
+use super::backend::{Backend, BackendChoice};
 use super::info::{DeviceInfo, Messages, Timestamps};
+use super::objects::Ledger;
+use super::pipeline::{Pipeline, PipelineKey};
 use super::requirements::{DeviceFeatures, Requirements};
+use super::shared::Shared;
 use crate::error::{Error, ErrorKind, Result};
 use ash::{ext, khr, vk};
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 use std::ffi::CStr;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-
-/// Which back end traces the rays.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Backend {
-    /// The host-built hierarchy in storage buffers, walked by a GLSL function. Runs everywhere.
-    Software,
-    /// `VK_KHR_ray_query`.
-    RayQuery,
-}
-
-impl Backend {
-    /// The name that the command line and reports use.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Software => "software",
-            Self::RayQuery => "ray-query",
-        }
-    }
-}
-
-/// Which back end is asked for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub enum BackendChoice {
-    /// Ray queries where the device has them in hardware, else software. A CPU device's own ray query is several times
-    /// slower than the software back end and is not chosen.
-    #[default]
-    Auto,
-    /// Always software.
-    Software,
-    /// Always ray queries; an error on a device without them.
-    RayQuery,
-}
-
-/// The back end that a device gets.
-///
-/// # Errors
-/// `Unsupported` for ray queries on a device without them.
-pub(crate) fn choose_backend(info: &DeviceInfo, choice: BackendChoice) -> Result<Backend> {
-    match choice {
-        BackendChoice::Software => Ok(Backend::Software),
-        BackendChoice::Auto if info.ray_query && !info.is_cpu() => Ok(Backend::RayQuery),
-        BackendChoice::Auto => Ok(Backend::Software),
-        BackendChoice::RayQuery if info.ray_query => Ok(Backend::RayQuery),
-        BackendChoice::RayQuery => Err(Error::new(
-            ErrorKind::Unsupported,
-            format!(
-                "device '{}' ({}) has no ray query (VK_KHR_ray_query); use the back end 'software' or 'auto'",
-                info.name, info.driver
-            ),
-        )),
-    }
-}
 
 /// A queue and the family that it was taken from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -108,6 +60,9 @@ pub(super) struct Inner {
     pub(super) debug: Option<ext::debug_utils::Device>,
     pub(super) acceleration: Option<khr::acceleration_structure::Device>,
     pub(super) info: DeviceInfo,
+    /// All that are alive: who needs one of them once more shares it.
+    pub(super) pipelines: Shared<PipelineKey, Pipeline>,
+    pub(super) ledger: Arc<Ledger>,
     backend: Backend,
     instance: ash::Instance,
     physical_device: vk::PhysicalDevice,
@@ -317,6 +272,8 @@ impl Gpu {
             queue,
             compute_queue,
             info,
+            pipelines: Shared::default(),
+            ledger: Arc::default(),
             backend,
             instance,
             physical_device,
