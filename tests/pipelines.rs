@@ -1,4 +1,4 @@
-//! Pipelines are shared between scenes, and objects are counted while they live.
+//! Pipelines are shared between scenes and kept between runs, and objects are counted while they live.
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 #[path = "common/device.rs"]
@@ -9,10 +9,13 @@ use glam::{DAffine3, DVec3};
 use lightoven::ErrorKind;
 use lightoven::baker::{BakeSettings, Baker, Stop};
 use lightoven::gpu::{Gpu, Objects};
+use lightoven::headless::{Headless, HeadlessSettings, Validation};
 use lightoven::scene::{LightKind, Resolution, Scene};
 use lightoven::verify::stage::{Chart, Facing, Stage, level_square};
 use std::collections::BTreeMap;
+use std::fs;
 use std::ops::ControlFlow;
+use std::path::Path;
 
 /// A floor under a lamp, and perhaps a point light.
 fn scene(light: Option<LightKind>) -> Scene {
@@ -90,6 +93,62 @@ fn failures_leave_nothing(gpu: &Gpu) {
     assert_eq!(gpu.objects(), before);
     drop(kept);
     assert_eq!(gpu.objects().count(), 0);
+}
+
+/// Names and bytes of the files in a folder.
+fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let Ok(entries) = fs::read_dir(folder) else { return BTreeMap::new() };
+    let file = |entry: fs::DirEntry| (entry.file_name().into_string().unwrap(), fs::read(entry.path()).unwrap());
+    entries.map(|entry| file(entry.unwrap())).collect()
+}
+
+/// Bakes on a device of its own, whose pipelines are kept in `folder`.
+fn run(folder: &Path) {
+    let pipeline_folder = Some(folder.to_owned());
+    let settings = HeadlessSettings { pipeline_folder, validation: Validation::On, ..HeadlessSettings::default() };
+    let headless = Headless::new(&settings).unwrap();
+    drop(baked(headless.gpu(), &scene(None)));
+    assert_eq!(headless.validation_messages(), Vec::<String>::new());
+}
+
+#[test]
+fn pipelines_are_kept() {
+    let parent = tempfile::tempdir().unwrap();
+    // Made where it is not there.
+    let folder = parent.path().join("a/b");
+    run(&folder);
+    let first = files(&folder);
+    assert_eq!(first.len(), 1, "{:?}", first.keys());
+    let (name, bytes) = first.first_key_value().unwrap();
+    assert!(name.ends_with("-software.pipelines") && !bytes.is_empty(), "{name}");
+    let path = folder.join(name);
+    let written = || fs::metadata(&path).unwrap().modified().unwrap();
+    let before = written();
+    run(&folder);
+    // Drivers may give the same pipelines in another order, but not other ones.
+    assert_eq!(files(&folder)[name].len(), bytes.len());
+    if files(&folder)[name] == *bytes {
+        assert_eq!(written(), before);
+    }
+    // Whatever stands there, a bake goes on, and puts it right.
+    let damaged = [&bytes[..bytes.len() / 2], b"", b"LOVPIPES", &bytes[1..], &vec![0xff; 1 << 20]];
+    for content in damaged {
+        fs::write(&path, content).unwrap();
+        run(&folder);
+        assert_eq!(files(&folder)[name].len(), bytes.len());
+    }
+    assert_eq!(files(&folder).len(), 1);
+}
+
+/// A bake does not need the folder.
+#[test]
+fn folders_that_cannot_be_written_are_no_error() {
+    let parent = tempfile::tempdir().unwrap();
+    let file = parent.path().join("file");
+    fs::write(&file, "not a folder").unwrap();
+    run(&file);
+    run(&file.join("below"));
+    assert_eq!(fs::read(&file).unwrap(), b"not a folder");
 }
 
 on_both_back_ends!(the_same_scene_needs_no_more, a_light_changes_what_reads_it, failures_leave_nothing);

@@ -5,6 +5,7 @@
 mod acceleration;
 mod backend;
 mod bindings;
+mod cache;
 mod commands;
 mod constants;
 mod create;

@@ -136,7 +136,7 @@ impl ComputePipeline {
             let stage = stage(vk::ShaderStageFlags::COMPUTE, &module, &specialization);
             let info = vk::ComputePipelineCreateInfo::default().stage(stage).layout(layout.handle);
             // SAFETY: the layout has every binding that the shader uses (layout/tests.rs), the module is alive.
-            let made = unsafe { gpu.device().create_compute_pipelines(vk::PipelineCache::null(), &[info], None) };
+            let made = unsafe { gpu.device().create_compute_pipelines(gpu.pipelines_kept(), &[info], None) };
             Ok(Pipeline::new(gpu, shader.name, first(made, shader.name)?, layout))
         };
         gpu.inner.pipelines.get_or_make(key, make).map(Self)
@@ -235,7 +235,7 @@ impl RasterPipeline {
             .layout(layout.handle)
             .push_next(&mut rendering);
         // SAFETY: the layout has every binding that the shaders use (layout/tests.rs), the modules are alive.
-        let made = unsafe { gpu.device().create_graphics_pipelines(vk::PipelineCache::null(), &[info], None) };
+        let made = unsafe { gpu.device().create_graphics_pipelines(gpu.pipelines_kept(), &[info], None) };
         first(made, desc.name)
     }
 
