@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Modules of the library, lowest first. Those of one row do not import each other.
-const LAYERS: [&[&str]; 9] = [
+const LAYERS: [&[&str]; 10] = [
     &["error"],
     &["scene"],
     &["bvh"],
@@ -14,7 +14,8 @@ const LAYERS: [&[&str]; 9] = [
     &["gpu"],
     &["pass"],
     &["baker", "tracer"],
-    &["io", "headless"],
+    &["io"],
+    &["headless"],
     &["verify"],
 ];
 /// Modules that know no Vulkan.

@@ -20,7 +20,7 @@ pub(crate) enum Resource<'a> {
 }
 
 impl Resource<'_> {
-    fn kind(self) -> vk::DescriptorType {
+    pub(super) fn kind(self) -> vk::DescriptorType {
         match self {
             Self::Storage(_) => vk::DescriptorType::STORAGE_BUFFER,
             Self::Texels(_) => vk::DescriptorType::UNIFORM_TEXEL_BUFFER,

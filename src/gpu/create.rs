@@ -1,6 +1,7 @@
 //! Makes an instance and a device of our own.
 
-use super::device::{Backend, Gpu, Loaded, OwnedInstance, Owner, Queue, RawQueue};
+use super::backend::Backend;
+use super::device::{Gpu, Loaded, OwnedInstance, Owner, Queue, RawQueue};
 use super::info::{DeviceInfo, Messages, describe, queue_family};
 use super::requirements::{FeatureChain, Requirements};
 use super::vulkan_error;
@@ -104,7 +105,12 @@ pub(crate) fn list_devices(owned: &OwnedInstance) -> Result<Vec<DeviceInfo>> {
 }
 
 /// A device with what lightoven needs and nothing else.
-pub(crate) fn create_device(owned: OwnedInstance, index: usize, backend: Backend) -> Result<Gpu> {
+pub(crate) fn create_device(
+    owned: OwnedInstance,
+    index: usize,
+    backend: Backend,
+    pipeline_cache: &[u8],
+) -> Result<Gpu> {
     let physical_device = physical_devices(&owned)?[index];
     let lacks = || Error::new(ErrorKind::Unsupported, "the device has no queue for graphics and compute together");
     let family = queue_family(&owned.instance, physical_device).ok_or_else(lacks)?;
@@ -124,6 +130,7 @@ pub(crate) fn create_device(owned: OwnedInstance, index: usize, backend: Backend
     let debug_utils = owned.messenger.is_some();
     let instance = owned.instance.clone();
     let owner = Owner { device: device.clone(), _instance: owned };
-    let loaded = Loaded { instance, physical_device, device, queue, compute_queue: None, backend, debug_utils };
+    let loaded =
+        Loaded { instance, physical_device, device, queue, compute_queue: None, backend, debug_utils, pipeline_cache };
     Gpu::owned(loaded, owner, index)
 }

@@ -1,64 +1,17 @@
 //! The device that everything runs on.
 
+use super::backend::{Backend, BackendChoice};
+use super::cache::PipelineCache;
 use super::info::{DeviceInfo, Messages, Timestamps};
+use super::objects::Ledger;
+use super::pipeline::{Pipeline, PipelineKey};
 use super::requirements::{DeviceFeatures, Requirements};
+use super::shared::Shared;
 use crate::error::{Error, ErrorKind, Result};
 use ash::{ext, khr, vk};
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 use std::ffi::CStr;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-
-/// Which back end traces the rays.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Backend {
-    /// The host-built hierarchy in storage buffers, walked by a GLSL function. Runs everywhere.
-    Software,
-    /// `VK_KHR_ray_query`.
-    RayQuery,
-}
-
-impl Backend {
-    /// The name that the command line and reports use.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Software => "software",
-            Self::RayQuery => "ray-query",
-        }
-    }
-}
-
-/// Which back end is asked for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub enum BackendChoice {
-    /// Ray queries where the device has them in hardware, else software. A CPU device's own ray query is several times
-    /// slower than the software back end and is not chosen.
-    #[default]
-    Auto,
-    /// Always software.
-    Software,
-    /// Always ray queries; an error on a device without them.
-    RayQuery,
-}
-
-/// The back end that a device gets.
-///
-/// # Errors
-/// `Unsupported` for ray queries on a device without them.
-pub(crate) fn choose_backend(info: &DeviceInfo, choice: BackendChoice) -> Result<Backend> {
-    match choice {
-        BackendChoice::Software => Ok(Backend::Software),
-        BackendChoice::Auto if info.ray_query && !info.is_cpu() => Ok(Backend::RayQuery),
-        BackendChoice::Auto => Ok(Backend::Software),
-        BackendChoice::RayQuery if info.ray_query => Ok(Backend::RayQuery),
-        BackendChoice::RayQuery => Err(Error::new(
-            ErrorKind::Unsupported,
-            format!(
-                "device '{}' ({}) has no ray query (VK_KHR_ray_query); use the back end 'software' or 'auto'",
-                info.name, info.driver
-            ),
-        )),
-    }
-}
 
 /// A queue and the family that it was taken from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -91,6 +44,10 @@ pub struct RawDevice<'a> {
     pub features: DeviceFeatures,
     /// The back end. `Auto` takes ray queries only where they were enabled.
     pub backend: BackendChoice,
+    /// What [`Gpu::pipeline_cache`] gave, perhaps in an earlier run, or nothing. Bytes of another device or driver, or
+    /// damaged ones, are left aside with a warning. Nothing but those bytes: who makes up others with a right checksum
+    /// hands them to the driver.
+    pub pipeline_cache: &'a [u8],
 }
 
 /// A device to bake on. Clones share it.
@@ -108,6 +65,10 @@ pub(super) struct Inner {
     pub(super) debug: Option<ext::debug_utils::Device>,
     pub(super) acceleration: Option<khr::acceleration_structure::Device>,
     pub(super) info: DeviceInfo,
+    /// All that are alive: who needs one of them once more shares it.
+    pub(super) pipelines: Shared<PipelineKey, Pipeline>,
+    pub(super) ledger: Arc<Ledger>,
+    pub(super) pipeline_cache: PipelineCache,
     backend: Backend,
     instance: ash::Instance,
     physical_device: vk::PhysicalDevice,
@@ -145,7 +106,7 @@ impl Queue {
 }
 
 /// A device with its functions loaded.
-pub(super) struct Loaded {
+pub(super) struct Loaded<'a> {
     pub(super) instance: ash::Instance,
     pub(super) physical_device: vk::PhysicalDevice,
     pub(super) device: ash::Device,
@@ -153,6 +114,7 @@ pub(super) struct Loaded {
     pub(super) compute_queue: Option<Arc<Queue>>,
     pub(super) backend: Backend,
     pub(super) debug_utils: bool,
+    pub(super) pipeline_cache: &'a [u8],
 }
 
 /// An instance and a device of our own, destroyed with the last clone of the [`Gpu`].
@@ -238,7 +200,7 @@ impl Gpu {
     ///
     /// # Errors
     /// `Unsupported`, naming an extension or feature that is required and was not enabled; `OutOfMemory` or `Driver` where
-    /// the memory allocator cannot be made.
+    /// the memory allocator or the pipeline cache cannot be made.
     ///
     /// # Safety
     /// - The handles are valid and belong together; extensions and features are those that the device was created with.
@@ -272,12 +234,13 @@ impl Gpu {
             instance,
             backend: requirements.backend,
             debug_utils: raw.instance_extensions.contains(&ext::debug_utils::NAME),
+            pipeline_cache: raw.pipeline_cache,
         };
         Self::assemble(loaded, Keeper::Engine, 0)
     }
 
     /// A device of our own, which goes with the last clone.
-    pub(super) fn owned(loaded: Loaded, owner: Owner, index: usize) -> Result<Self> {
+    pub(super) fn owned(loaded: Loaded<'_>, owner: Owner, index: usize) -> Result<Self> {
         Self::assemble(loaded, Keeper::Own(Box::new(owner)), index)
     }
 
@@ -292,13 +255,16 @@ impl Gpu {
             compute_queue: inner.compute_queue.clone(),
             backend: inner.backend,
             debug_utils: inner.debug.is_some(),
+            pipeline_cache: &[],
         };
         Self::assemble(loaded, Keeper::Lender(self.clone()), inner.info.index)
     }
 
-    fn assemble(loaded: Loaded, keeper: Keeper, index: usize) -> Result<Self> {
-        let Loaded { instance, physical_device, device, queue, compute_queue, backend, debug_utils } = loaded;
+    fn assemble(loaded: Loaded<'_>, keeper: Keeper, index: usize) -> Result<Self> {
+        let Loaded { instance, physical_device, device, queue, compute_queue, backend, debug_utils, pipeline_cache } =
+            loaded;
         let info = super::info::describe(&instance, physical_device, index);
+        let pipeline_cache = PipelineCache::new(&device, &info, pipeline_cache)?;
         let allocator = Allocator::new(&AllocatorCreateDesc {
             instance: instance.clone(),
             device: device.clone(),
@@ -317,6 +283,9 @@ impl Gpu {
             queue,
             compute_queue,
             info,
+            pipelines: Shared::default(),
+            ledger: Arc::default(),
+            pipeline_cache,
             backend,
             instance,
             physical_device,

@@ -13,6 +13,12 @@ pub struct DeviceInfo {
     pub name: String,
     /// The driver's name and version.
     pub driver: String,
+    /// The vendor's id, of the PCI or Khronos's own.
+    pub vendor_id: u32,
+    /// The vendor's id of the device.
+    pub device_id: u32,
+    /// Of device and driver: compiled pipelines serve where it is the same.
+    pub pipeline_cache_uuid: [u8; 16],
     /// Vulkan version: major, minor, patch.
     pub api_version: (u32, u32, u32),
     /// "discrete GPU", "CPU", ...
@@ -70,6 +76,9 @@ pub(crate) fn describe(instance: &ash::Instance, device: vk::PhysicalDevice, ind
         index,
         name: text(base.device_name_as_c_str()),
         driver: format!("{} {}", text(driver.driver_name_as_c_str()), text(driver.driver_info_as_c_str())),
+        vendor_id: base.vendor_id,
+        device_id: base.device_id,
+        pipeline_cache_uuid: base.pipeline_cache_uuid,
         api_version: (vk::api_version_major(version), vk::api_version_minor(version), vk::api_version_patch(version)),
         kind: match base.device_type {
             vk::PhysicalDeviceType::DISCRETE_GPU => "discrete GPU",

@@ -1,6 +1,7 @@
 //! Buffers and images: a description in, a finished object out.
 
 use super::info::TEXEL_BYTES;
+use super::objects::{Counted, ObjectKind};
 use super::{Gpu, vulkan_error};
 use crate::error::{Error, ErrorKind, Result};
 use ash::vk;
@@ -46,6 +47,7 @@ pub(crate) struct Buffer {
     pub(super) texels: vk::BufferView,
     allocation: Option<Allocation>,
     size: u64,
+    _counted: Counted,
 }
 
 impl Buffer {
@@ -69,7 +71,14 @@ impl Buffer {
         // SAFETY: the description is complete.
         let handle = unsafe { gpu.device().create_buffer(&info, None) }
             .map_err(|result| vulkan_error(format!("create buffer '{name}' of {size} bytes"), result))?;
-        let mut buffer = Self { gpu: gpu.clone(), handle, texels: vk::BufferView::null(), allocation: None, size };
+        let mut buffer = Self {
+            gpu: gpu.clone(),
+            handle,
+            texels: vk::BufferView::null(),
+            allocation: None,
+            size,
+            _counted: gpu.count(ObjectKind::Buffer, name),
+        };
         // SAFETY: the buffer was just made from this device.
         let requirements = unsafe { gpu.device().get_buffer_memory_requirements(handle) };
         let allocation = allocate(gpu, name, requirements, location.memory(), true)?;
@@ -144,6 +153,7 @@ pub(crate) struct Image {
     pub(super) mip_levels: u32,
     pub(super) aspect: vk::ImageAspectFlags,
     pub(super) format: vk::Format,
+    _counted: Counted,
 }
 
 impl Image {
@@ -187,6 +197,7 @@ impl Image {
             mip_levels,
             aspect,
             format,
+            _counted: gpu.count(ObjectKind::Image, name),
         };
         // SAFETY: the image was just made from this device.
         let requirements = unsafe { gpu.device().get_image_memory_requirements(handle) };

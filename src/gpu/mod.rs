@@ -3,37 +3,46 @@
 #![expect(unsafe_code, reason = "Vulkan is called here and nowhere else")]
 
 mod acceleration;
+mod backend;
 mod bindings;
+mod cache;
 mod commands;
+mod constants;
 mod create;
 mod device;
 mod frame;
 mod info;
 mod memory;
+mod objects;
 mod pipeline;
 mod recorder;
 mod rehearsal;
 mod requirements;
 mod sampler;
 mod shader;
+mod shared;
+mod spirv;
 mod timer;
 
 pub(crate) mod layout;
 
-pub use device::{Backend, BackendChoice, Gpu, RawDevice, RawQueue};
+pub use backend::{Backend, BackendChoice};
+pub use device::{Gpu, RawDevice, RawQueue};
 pub use frame::{FrameCommands, TimelinePoint};
 pub use info::DeviceInfo;
+pub use objects::Objects;
 pub use requirements::{DeviceFeatures, FeatureChain, Requirements};
 
 pub(crate) use acceleration::SceneStructure;
+pub(crate) use backend::choose_backend;
 pub(crate) use bindings::{BindingSet, Resource};
 pub(crate) use commands::Commands;
+pub(crate) use constants::Constants;
 pub(crate) use create::{create_device, create_instance, list_devices};
-pub(crate) use device::choose_backend;
 pub(crate) use frame::FrameSubmitter;
 pub(crate) use info::Messages;
 pub(crate) use memory::{Buffer, BufferDesc, Image, ImageDesc, Location};
-pub(crate) use pipeline::{ComputePipeline, Constants, RasterDesc, RasterPipeline};
+pub(crate) use pipeline::{ComputePipeline, RasterDesc, RasterPipeline};
 pub(crate) use recorder::{Recorder, Rendering};
 pub(crate) use sampler::Sampler;
 pub(crate) use shader::{

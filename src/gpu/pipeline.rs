@@ -1,92 +1,89 @@
 //! Pipelines: shader, specialisation constants and the kinds of resources in, a finished pipeline out.
 
 use super::bindings::{BindingSet, Resource, set_layout};
+use super::constants::Constants;
 use super::layout::Push;
+use super::objects::{Counted, ObjectKind};
 use super::shader::Shader;
 use super::{Gpu, vulkan_error};
-use crate::bvh::Bvh;
 use crate::error::Result;
-use crate::features::Features;
 use ash::vk;
-use bytemuck::{Pod, Zeroable};
+use std::sync::Arc;
 
-/// Values of the specialisation constants; their ids are their places here.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
-#[repr(C)]
-pub(crate) struct Constants {
-    /// The scene's `Features`.
-    pub(crate) features: u32,
-    /// Entries of the traversal stack.
-    pub(crate) stack_size: u32,
-    /// What `trace.comp` asks of a ray; nobody else reads it.
-    pub(crate) query: u32,
-    /// Whether the hierarchy is read as texels: [`super::DeviceInfo::reads_texels`], set where a pipeline is made.
-    pub(crate) texel_buffers: vk::Bool32,
+/// What makes two pipelines the same.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub(super) struct PipelineKey {
+    /// One of each stage.
+    shaders: Vec<&'static str>,
+    constants: Constants,
+    bindings: Vec<(u32, vk::DescriptorType)>,
+    /// Those of the attachments, depth last; none for a compute pipeline.
+    formats: Vec<vk::Format>,
 }
 
-/// Entries of the stack beside nodes: where traversal ends, and where it leaves an object.
-const STACK_MARKS: u32 = 2;
-
-impl Constants {
-    /// For a scene that needs `features`. The stack grows in steps, so that scenes of about the same depth share compiled
-    /// pipelines.
-    pub(crate) fn new(features: Features, bvh: &Bvh) -> Self {
-        let stack_size = (bvh.most_stack_size() + STACK_MARKS).next_multiple_of(8);
-        Self { features: features.bits(), stack_size, query: 0, texel_buffers: vk::FALSE }
-    }
-}
-
-const CONSTANT_ENTRIES: [vk::SpecializationMapEntry; 4] = [
-    vk::SpecializationMapEntry { constant_id: 0, offset: 0, size: 4 },
-    vk::SpecializationMapEntry { constant_id: 1, offset: 4, size: 4 },
-    vk::SpecializationMapEntry { constant_id: 2, offset: 8, size: 4 },
-    vk::SpecializationMapEntry { constant_id: 3, offset: 12, size: 4 },
-];
-
-/// What compute and raster pipelines have in common, guarded.
-struct Parts {
+/// A pipeline's layout with that of its set, guarded.
+struct Layout {
     gpu: Gpu,
-    name: &'static str,
     stages: vk::ShaderStageFlags,
     set_layout: vk::DescriptorSetLayout,
-    layout: vk::PipelineLayout,
-    pipeline: vk::Pipeline,
+    handle: vk::PipelineLayout,
 }
 
-impl Parts {
+impl Layout {
     fn new(
         gpu: &Gpu,
         name: &'static str,
         stages: vk::ShaderStageFlags,
         resources: &[(u32, Resource<'_>)],
     ) -> Result<Self> {
-        let mut parts = Self {
-            gpu: gpu.clone(),
-            name,
-            stages,
-            set_layout: set_layout(gpu, name, stages, resources)?,
-            layout: vk::PipelineLayout::null(),
-            pipeline: vk::Pipeline::null(),
-        };
-        let layouts = [parts.set_layout];
+        let set_layout = set_layout(gpu, name, stages, resources)?;
+        let mut layout = Self { gpu: gpu.clone(), stages, set_layout, handle: vk::PipelineLayout::null() };
+        let layouts = [layout.set_layout];
         let ranges = [vk::PushConstantRange { stage_flags: stages, offset: 0, size: size_of::<Push>() as u32 }];
         let info = vk::PipelineLayoutCreateInfo::default().set_layouts(&layouts).push_constant_ranges(&ranges);
         // SAFETY: the description is complete; the block is within the 128 bytes that every device has.
-        parts.layout = unsafe { gpu.device().create_pipeline_layout(&info, None) }
+        layout.handle = unsafe { gpu.device().create_pipeline_layout(&info, None) }
             .map_err(|result| vulkan_error(format!("create the layout of pipeline '{name}'"), result))?;
-        Ok(parts)
+        Ok(layout)
     }
 }
 
-impl Drop for Parts {
+impl Drop for Layout {
     fn drop(&mut self) {
         let device = self.gpu.device();
-        // SAFETY: whoever recorded with it has waited for the device before dropping it; null handles are allowed.
+        // SAFETY: the pipeline went before it, or was never made; null handles are allowed.
         unsafe {
-            device.destroy_pipeline(self.pipeline, None);
-            device.destroy_pipeline_layout(self.layout, None);
+            device.destroy_pipeline_layout(self.handle, None);
             device.destroy_descriptor_set_layout(self.set_layout, None);
         }
+    }
+}
+
+/// What compute and raster pipelines have in common. All that need the same share one.
+pub(super) struct Pipeline {
+    gpu: Gpu,
+    name: &'static str,
+    handle: vk::Pipeline,
+    layout: Layout,
+    _counted: Counted,
+}
+
+impl Pipeline {
+    fn new(gpu: &Gpu, name: &'static str, handle: vk::Pipeline, layout: Layout) -> Self {
+        gpu.name(handle, name);
+        Self { gpu: gpu.clone(), name, handle, layout, _counted: gpu.count(ObjectKind::Pipeline, name) }
+    }
+
+    fn bind(&self, resources: &[(u32, Resource<'_>)]) -> Result<BindingSet> {
+        BindingSet::new(&self.gpu, self.name, self.layout.set_layout, resources)
+    }
+}
+
+impl Drop for Pipeline {
+    fn drop(&mut self) {
+        // SAFETY: each that shared it has waited, before dropping its share, for the device to be done with what it
+        // recorded.
+        unsafe { self.gpu.device().destroy_pipeline(self.handle, None) };
     }
 }
 
@@ -97,9 +94,8 @@ struct Module<'a> {
 }
 
 impl<'a> Module<'a> {
-    fn new(gpu: &'a Gpu, shader: &Shader) -> Result<Self> {
-        let words = shader.words(gpu.backend());
-        let info = vk::ShaderModuleCreateInfo::default().code(&words);
+    fn new(gpu: &'a Gpu, shader: &Shader, words: &[u32]) -> Result<Self> {
+        let info = vk::ShaderModuleCreateInfo::default().code(words);
         // SAFETY: the words are SPIR-V that shaderc made and the build checked.
         let handle = unsafe { gpu.device().create_shader_module(&info, None) }
             .map_err(|result| vulkan_error(format!("create shader module '{}'", shader.name), result))?;
@@ -115,7 +111,7 @@ impl Drop for Module<'_> {
 }
 
 /// A compute pipeline.
-pub(crate) struct ComputePipeline(Parts);
+pub(crate) struct ComputePipeline(Arc<Pipeline>);
 
 impl ComputePipeline {
     /// `resources` give the kinds of bindings; sets are made by [`ComputePipeline::bind`].
@@ -125,23 +121,30 @@ impl ComputePipeline {
         constants: Constants,
         resources: &[(u32, Resource<'_>)],
     ) -> Result<Self> {
-        let mut parts = Parts::new(gpu, shader.name, vk::ShaderStageFlags::COMPUTE, resources)?;
-        let module = Module::new(gpu, shader)?;
+        let words = shader.words(gpu.backend());
         let constants = Constants { texel_buffers: gpu.info().reads_texels().into(), ..constants };
-        let values = bytemuck::bytes_of(&constants);
-        let specialization = vk::SpecializationInfo::default().map_entries(&CONSTANT_ENTRIES).data(values);
-        let stage = stage(vk::ShaderStageFlags::COMPUTE, &module, &specialization);
-        let info = vk::ComputePipelineCreateInfo::default().stage(stage).layout(parts.layout);
-        // SAFETY: the layout has every binding that the shader uses (layout/tests.rs), the module is alive.
-        let made = unsafe { gpu.device().create_compute_pipelines(vk::PipelineCache::null(), &[info], None) };
-        parts.pipeline = first(made, shader.name)?;
-        gpu.name(parts.pipeline, shader.name);
-        Ok(Self(parts))
+        let key = PipelineKey {
+            shaders: vec![shader.name],
+            constants: constants.as_read_by([&*words]),
+            bindings: kinds(resources),
+            formats: Vec::new(),
+        };
+        let make = |key: &PipelineKey| {
+            let layout = Layout::new(gpu, shader.name, vk::ShaderStageFlags::COMPUTE, resources)?;
+            let module = Module::new(gpu, shader, &words)?;
+            let specialization = key.constants.specialization();
+            let stage = stage(vk::ShaderStageFlags::COMPUTE, &module, &specialization);
+            let info = vk::ComputePipelineCreateInfo::default().stage(stage).layout(layout.handle);
+            // SAFETY: the layout has every binding that the shader uses (layout/tests.rs), the module is alive.
+            let made = unsafe { gpu.device().create_compute_pipelines(gpu.pipelines_kept(), &[info], None) };
+            Ok(Pipeline::new(gpu, shader.name, first(made, shader.name)?, layout))
+        };
+        gpu.inner.pipelines.get_or_make(key, make).map(Self)
     }
 
     /// A set with these resources, of the kinds that the pipeline was made with.
     pub(crate) fn bind(&self, resources: &[(u32, Resource<'_>)]) -> Result<BindingSet> {
-        BindingSet::new(&self.0.gpu, self.0.name, self.0.set_layout, resources)
+        self.0.bind(resources)
     }
 
     /// Records a dispatch.
@@ -164,16 +167,37 @@ pub(crate) struct RasterDesc<'a> {
 }
 
 /// A raster pipeline: triangle lists without vertex buffers, nearest depth wins and of equal ones the last, no blending, no culling.
-pub(crate) struct RasterPipeline(Parts);
+pub(crate) struct RasterPipeline(Arc<Pipeline>);
 
 impl RasterPipeline {
     /// `resources` give the kinds of bindings; sets are made by [`RasterPipeline::bind`].
     pub(crate) fn new(gpu: &Gpu, desc: &RasterDesc<'_>, resources: &[(u32, Resource<'_>)]) -> Result<Self> {
-        let stages = vk::ShaderStageFlags::VERTEX | vk::ShaderStageFlags::FRAGMENT;
-        let mut parts = Parts::new(gpu, desc.name, stages, resources)?;
-        let (vertex, fragment) = (Module::new(gpu, desc.vertex)?, Module::new(gpu, desc.fragment)?);
-        let values = bytemuck::bytes_of(&desc.constants);
-        let specialization = vk::SpecializationInfo::default().map_entries(&CONSTANT_ENTRIES).data(values);
+        let words = [desc.vertex, desc.fragment].map(|shader| shader.words(gpu.backend()));
+        let key = PipelineKey {
+            shaders: vec![desc.vertex.name, desc.fragment.name],
+            constants: desc.constants.as_read_by(words.iter().map(Vec::as_slice)),
+            bindings: kinds(resources),
+            formats: [desc.color_formats, &[desc.depth_format]].concat(),
+        };
+        let make = |key: &PipelineKey| {
+            let stages = vk::ShaderStageFlags::VERTEX | vk::ShaderStageFlags::FRAGMENT;
+            let layout = Layout::new(gpu, desc.name, stages, resources)?;
+            let handle = Self::create(gpu, desc, &words, key.constants, &layout)?;
+            Ok(Pipeline::new(gpu, desc.name, handle, layout))
+        };
+        gpu.inner.pipelines.get_or_make(key, make).map(Self)
+    }
+
+    fn create(
+        gpu: &Gpu,
+        desc: &RasterDesc<'_>,
+        words: &[Vec<u32>; 2],
+        constants: Constants,
+        layout: &Layout,
+    ) -> Result<vk::Pipeline> {
+        let vertex = Module::new(gpu, desc.vertex, &words[0])?;
+        let fragment = Module::new(gpu, desc.fragment, &words[1])?;
+        let specialization = constants.specialization();
         let shader_stages = [
             stage(vk::ShaderStageFlags::VERTEX, &vertex, &specialization),
             stage(vk::ShaderStageFlags::FRAGMENT, &fragment, &specialization),
@@ -208,18 +232,16 @@ impl RasterPipeline {
             .depth_stencil_state(&depth)
             .color_blend_state(&blend)
             .dynamic_state(&dynamic)
-            .layout(parts.layout)
+            .layout(layout.handle)
             .push_next(&mut rendering);
         // SAFETY: the layout has every binding that the shaders use (layout/tests.rs), the modules are alive.
-        let made = unsafe { gpu.device().create_graphics_pipelines(vk::PipelineCache::null(), &[info], None) };
-        parts.pipeline = first(made, desc.name)?;
-        gpu.name(parts.pipeline, desc.name);
-        Ok(Self(parts))
+        let made = unsafe { gpu.device().create_graphics_pipelines(gpu.pipelines_kept(), &[info], None) };
+        first(made, desc.name)
     }
 
     /// A set with these resources, of the kinds that the pipeline was made with.
     pub(crate) fn bind(&self, resources: &[(u32, Resource<'_>)]) -> Result<BindingSet> {
-        BindingSet::new(&self.0.gpu, self.0.name, self.0.set_layout, resources)
+        self.0.bind(resources)
     }
 
     /// Records a draw, within a rendering of the recorder's.
@@ -254,18 +276,24 @@ fn first(made: Result<Vec<vk::Pipeline>, (Vec<vk::Pipeline>, vk::Result)>, name:
     Ok(pipelines[0])
 }
 
+/// Bindings with what stands there.
+fn kinds(resources: &[(u32, Resource<'_>)]) -> Vec<(u32, vk::DescriptorType)> {
+    resources.iter().map(|(binding, resource)| (*binding, resource.kind())).collect()
+}
+
 fn record_state(
-    parts: &Parts,
+    pipeline: &Pipeline,
     commands: vk::CommandBuffer,
     point: vk::PipelineBindPoint,
     set: &BindingSet,
     push: &Push,
 ) {
-    let device = parts.gpu.device();
+    let device = pipeline.gpu.device();
+    let layout = &pipeline.layout;
     // SAFETY: the command buffer is being recorded; set and constants fit the pipeline's layout.
     unsafe {
-        device.cmd_bind_pipeline(commands, point, parts.pipeline);
-        device.cmd_bind_descriptor_sets(commands, point, parts.layout, 0, &[set.set], &[]);
-        device.cmd_push_constants(commands, parts.layout, parts.stages, 0, bytemuck::bytes_of(push));
+        device.cmd_bind_pipeline(commands, point, pipeline.handle);
+        device.cmd_bind_descriptor_sets(commands, point, layout.handle, 0, &[set.set], &[]);
+        device.cmd_push_constants(commands, layout.handle, layout.stages, 0, bytemuck::bytes_of(push));
     }
 }

@@ -1,6 +1,6 @@
 //! What a device must have enabled: told to an engine before it makes its device, and checked afterwards.
 
-use super::device::{Backend, BackendChoice, choose_backend};
+use super::backend::{Backend, BackendChoice, choose_backend};
 use super::info::{RAY_QUERY_EXTENSIONS, describe};
 use crate::error::{Error, ErrorKind, Result};
 use ash::vk;

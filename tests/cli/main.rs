@@ -6,6 +6,7 @@ mod bench;
 mod compare;
 mod converge;
 mod growth;
+mod pipelines;
 mod support;
 mod usage;
 mod variance;

@@ -10,7 +10,8 @@ use tempfile::TempDir;
 /// The tool with its arguments.
 pub(crate) fn tool<S: AsRef<std::ffi::OsStr>>(arguments: impl IntoIterator<Item = S>) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_lightoven"));
-    command.args(arguments);
+    // What one test compiled is not to be another's, nor the user's.
+    command.args(arguments).env("LIGHTOVEN_PIPELINE_CACHE", "0");
     command
 }
 

@@ -116,6 +116,20 @@ fn the_other_mode_is_refused() {
     live.finish();
 }
 
+/// An engine hands compiled pipelines in and takes them out; what is not as it was given is left aside.
+#[test]
+fn compiled_pipelines_are_taken_back() {
+    let Some(engine) = Engine::new(BackendChoice::Software) else { return };
+    let bytes = engine.gpu().pipeline_cache().unwrap();
+    let damaged = bytes.iter().map(|byte| byte ^ 1).collect::<Vec<_>>();
+    for pipeline_cache in [&bytes[..], &bytes[..bytes.len() - 1], &damaged, &[]] {
+        let raw = RawDevice { pipeline_cache, ..engine.raw(BackendChoice::Software) };
+        let gpu = engine.again(raw);
+        assert_eq!(gpu.pipeline_cache().unwrap().len(), bytes.len());
+    }
+    engine.finish();
+}
+
 /// A device that was made without something is refused, whatever it may have.
 #[test]
 fn what_a_device_lacks_is_named() {

@@ -2,7 +2,7 @@
 
 use super::{Answer, Cluster, Light, Link, Material, Piece, Primitive, Push, Texcoords, TracedRay, binding};
 use crate::bvh::{InstanceRecord, Node, Triangle};
-use crate::gpu::pipeline::Constants;
+use crate::gpu::Constants;
 use spirq::ReflectConfig;
 use spirq::ty::{DescriptorType, StructType, Type};
 use spirq::var::Variable;

@@ -125,6 +125,7 @@ impl Engine {
             device_extensions: &self.requirements.device_extensions,
             features: self.requirements.features,
             backend,
+            pipeline_cache: &[],
         }
     }
 
@@ -132,6 +133,12 @@ impl Engine {
     pub(crate) fn refused(&self, raw: RawDevice<'_>) -> String {
         // SAFETY: handles are valid; what is said to be enabled is less than what is.
         unsafe { Gpu::from_raw(raw) }.err().expect("is refused").to_string()
+    }
+
+    /// The same device once more.
+    pub(crate) fn again(&self, raw: RawDevice<'_>) -> Gpu {
+        // SAFETY: handles are valid and as `raw` gave them; the callers drop it before the engine.
+        unsafe { Gpu::from_raw(raw) }.expect("is taken")
     }
 
     pub(crate) fn gpu(&self) -> &Gpu {

@@ -48,6 +48,7 @@ impl Hosted {
             device_extensions: &device.requirements.device_extensions,
             features: device.requirements.features,
             backend: device.backend,
+            pipeline_cache: &[],
         };
         // SAFETY: the handles are the device's, made with these extensions and features. They outlive the baker, which
         // holds the only clones of the Gpu and is dropped before the device. There is one thread.

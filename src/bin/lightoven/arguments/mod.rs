@@ -350,7 +350,8 @@ impl DeviceArguments {
     }
 
     pub(crate) fn settings(&self, validation: Validation) -> HeadlessSettings {
-        HeadlessSettings { device: self.device.clone(), backend: self.backend(), validation }
+        let device = self.device.clone();
+        HeadlessSettings { device, backend: self.backend(), validation, ..HeadlessSettings::default() }
     }
 }
 

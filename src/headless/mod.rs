@@ -1,7 +1,11 @@
 //! An instance and a device of our own, for the tools and the tests.
 
+mod kept;
+
 use crate::error::{Error, ErrorKind, Result};
 use crate::gpu::{self, BackendChoice, DeviceInfo, Gpu};
+use kept::KeptPipelines;
+use std::path::PathBuf;
 
 /// What to run on.
 #[derive(Debug, Clone, Default)]
@@ -12,6 +16,10 @@ pub struct HeadlessSettings {
     pub backend: BackendChoice,
     /// Whether the validation layers watch.
     pub validation: Validation,
+    /// A folder, made where there is none, that keeps compiled pipelines from one run to the next, in a file for each
+    /// device, driver and back end. It is read when the device is opened, and written when the [`Headless`] is dropped
+    /// and has compiled others. What cannot be read or written is no error. `None`: they are kept nowhere.
+    pub pipeline_folder: Option<PathBuf>,
 }
 
 /// Whether the validation layers watch.
@@ -28,6 +36,7 @@ pub enum Validation {
 pub struct Headless {
     gpu: Gpu,
     messages: std::sync::Arc<gpu::Messages>,
+    kept: Option<KeptPipelines>,
 }
 
 impl Headless {
@@ -45,7 +54,10 @@ impl Headless {
         }
         let backend = gpu::choose_backend(info, settings.backend)?;
         let messages = instance.messages.clone();
-        Ok(Self { gpu: gpu::create_device(instance, info.index, backend)?, messages })
+        let folder = settings.pipeline_folder.as_ref();
+        let kept = folder.map(|folder| KeptPipelines::read(folder, info, backend));
+        let bytes = kept.as_ref().map_or(&[][..], |kept| &kept.bytes);
+        Ok(Self { gpu: gpu::create_device(instance, info.index, backend, bytes)?, messages, kept })
     }
 
     /// The device.
@@ -56,6 +68,14 @@ impl Headless {
     /// What the validation layers have said so far; empty is as it should be.
     pub fn validation_messages(&self) -> Vec<String> {
         self.messages.all()
+    }
+}
+
+impl Drop for Headless {
+    fn drop(&mut self) {
+        if let Some(kept) = &self.kept {
+            kept.write(&self.gpu);
+        }
     }
 }
 

@@ -1,0 +1,111 @@
+//! What of a device's objects is alive, by name.
+
+use super::Gpu;
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+/// Pipelines, buffers and images that are alive: how many there are of each name. What an engine made is not among them.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Objects {
+    /// By the shader's file name, or for pipelines that draw by their own.
+    pub pipelines: BTreeMap<String, usize>,
+    /// By what they hold. Those of acceleration structures are among them.
+    pub buffers: BTreeMap<String, usize>,
+    /// By what they hold.
+    pub images: BTreeMap<String, usize>,
+}
+
+impl Objects {
+    /// All of all kinds.
+    pub fn count(&self) -> usize {
+        [&self.pipelines, &self.buffers, &self.images].into_iter().flat_map(BTreeMap::values).sum()
+    }
+
+    fn of(&mut self, kind: ObjectKind) -> &mut BTreeMap<String, usize> {
+        match kind {
+            ObjectKind::Pipeline => &mut self.pipelines,
+            ObjectKind::Buffer => &mut self.buffers,
+            ObjectKind::Image => &mut self.images,
+        }
+    }
+}
+
+#[derive(Debug, Clone, Copy)]
+pub(super) enum ObjectKind {
+    Pipeline,
+    Buffer,
+    Image,
+}
+
+/// The count of a device.
+#[derive(Default)]
+pub(super) struct Ledger(Mutex<Objects>);
+
+impl Ledger {
+    fn lock(&self) -> MutexGuard<'_, Objects> {
+        // A panic in another thread leaves the counts as they were between two calls.
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// An object's entry, which goes with it.
+pub(super) struct Counted {
+    ledger: Arc<Ledger>,
+    kind: ObjectKind,
+    name: String,
+}
+
+impl Counted {
+    fn new(ledger: &Arc<Ledger>, kind: ObjectKind, name: &str) -> Self {
+        let name = name.to_owned();
+        *ledger.lock().of(kind).entry(name.clone()).or_default() += 1;
+        Self { ledger: Arc::clone(ledger), kind, name }
+    }
+}
+
+impl Drop for Counted {
+    fn drop(&mut self) {
+        let mut objects = self.ledger.lock();
+        let names = objects.of(self.kind);
+        if let Some(count) = names.get_mut(&self.name) {
+            *count -= 1;
+            if *count == 0 {
+                names.remove(&self.name);
+            }
+        }
+    }
+}
+
+impl Gpu {
+    /// What lightoven has made on this device by this `Gpu` and its clones, and not yet destroyed: for tests, and to
+    /// find what holds memory.
+    pub fn objects(&self) -> Objects {
+        self.inner.ledger.lock().clone()
+    }
+
+    /// To be held by the object.
+    pub(super) fn count(&self, kind: ObjectKind, name: &str) -> Counted {
+        Counted::new(&self.inner.ledger, kind, name)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Counted, Ledger, ObjectKind};
+    use std::sync::Arc;
+
+    #[test]
+    fn names_are_counted_while_they_live() {
+        let ledger = Arc::new(Ledger::default());
+        let count = |kind, name| Counted::new(&ledger, kind, name);
+        let now = || ledger.lock().clone();
+        let (first, second) = (count(ObjectKind::Buffer, "nodes"), count(ObjectKind::Buffer, "nodes"));
+        let _image = count(ObjectKind::Image, "nodes");
+        assert_eq!([now().buffers["nodes"], now().images["nodes"], now().count()], [2, 1, 3]);
+        drop(first);
+        assert_eq!(now().buffers["nodes"], 1);
+        drop(second);
+        assert!(now().buffers.is_empty() && now().pipelines.is_empty());
+        assert_eq!(now().count(), 1);
+    }
+}
