@@ -37,6 +37,7 @@ impl Baker {
     /// saying what was asked for; `DeviceLost` or `Driver` from the device.
     pub fn new(gpu: &Gpu, scene: &Scene, settings: &BakeSettings) -> Result<Self> {
         check(gpu, settings)?;
+        check_size(scene)?;
         let started = Instant::now();
         let atlas = Atlas::new(scene, settings.resolution)?;
         let features = Features::required(scene, settings);
@@ -80,6 +81,23 @@ fn warn_of_what_is_missed(scene: &Scene, features: Features, statistics: &mut St
             "sampling by importance alone leaves out what emits without light-map coordinates; mixtures see it".into(),
         );
     }
+}
+
+/// Areas of texels of a scene smaller than this are no 32-bit numbers: it would bake black.
+const LEAST_REACH: f64 = 1e-12;
+
+fn check_size(scene: &Scene) -> Result<()> {
+    let reach = reach(scene);
+    if reach == 0.0 || reach >= LEAST_REACH {
+        return Ok(());
+    }
+    let name = scene.name();
+    Err(Error::scene(format!("scene '{name}' reaches {reach:e} from its middle; allowed is at least {LEAST_REACH:e}")))
+}
+
+/// From the scene's middle along any axis; 0 of an empty scene.
+fn reach(scene: &Scene) -> f64 {
+    scene.bounds().map_or(0.0, |(lo, hi)| ((hi - lo) * 0.5).max_element())
 }
 
 fn check(gpu: &Gpu, settings: &BakeSettings) -> Result<()> {
@@ -172,14 +190,13 @@ fn set_present(bvh: &mut Bvh, instances: &[usize], present: bool) {
 }
 
 fn push_of(scene: &Scene, settings: &BakeSettings, bvh: &Bvh, device_scene: &DeviceScene, size: [u32; 2]) -> Push {
-    let extent = scene.bounds().map_or(0.0, |(lo, hi)| ((hi - lo) * 0.5).max_element());
     let sky = if let Sky::Constant(radiance) = scene.sky() { *radiance } else { Vec3::ZERO };
     Push {
         map_size: size,
         light_count: device_scene.light_count,
         root: bvh.root(),
         sky: sky.into(),
-        origin_offset: origin_offset(extent),
+        origin_offset: origin_offset(reach(scene)),
         seed: [settings.seed as u32, (settings.seed >> 32) as u32],
         ..Push::default()
     }

@@ -366,8 +366,12 @@ impl Still {
             })?;
             sums = ResolveSums::read(texels);
         }
-        core.statistics.estimated_error =
-            (state.kept >= 2 && core.features.contains(Features::HALVES)).then_some(sums.relative_mse.sqrt() as f32);
+        // Sums of light near the largest 32-bit number are infinite, and tell nothing.
+        let is_told = state.kept >= 2
+            && core.features.contains(Features::HALVES)
+            && sums.mean.is_finite()
+            && sums.relative_mse.is_finite();
+        core.statistics.estimated_error = is_told.then_some(sums.relative_mse.sqrt() as f32);
         core.statistics.seconds.resolve += started.elapsed().as_secs_f64();
         Ok(sums)
     }

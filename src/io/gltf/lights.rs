@@ -22,7 +22,7 @@ pub(super) fn read(light: &Source<'_>, node: &Node<'_>, transform: &DAffine3) ->
             range,
         },
     };
-    let name = light.name().filter(|name| !name.is_empty()).map_or_else(|| names::of_node(node), str::to_owned);
+    let name = names::given_or(light.name(), || names::of_node(node));
     Light { name, intensity: Vec3::from(light.color()) * light.intensity(), kind }
 }
 

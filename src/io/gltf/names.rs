@@ -44,6 +44,8 @@ pub(super) fn list(names: &[String]) -> String {
     }
 }
 
-fn given_or(name: Option<&str>, otherwise: impl FnOnce() -> String) -> String {
-    name.filter(|name| !name.is_empty()).map_or_else(otherwise, str::to_owned)
+pub(super) fn given_or(name: Option<&str>, otherwise: impl FnOnce() -> String) -> String {
+    // A line break would forge another message.
+    let plain = |name: &str| name.replace(char::is_control, "\u{fffd}");
+    name.filter(|name| !name.is_empty()).map_or_else(otherwise, plain)
 }

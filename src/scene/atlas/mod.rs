@@ -75,12 +75,12 @@ impl Atlas {
         };
         let full = AtlasRect { scale: Vec2::splat(side as f32), offset: Vec2::ZERO };
         let (size, rects) = (UVec2::splat(side), vec![full; instances.len()]);
-        let coverage = measure(scene, size, &rects);
+        let coverage = measure(scene, size, &rects, SHARED_OVERLAP);
         if coverage.between_instances as f64 <= SHARED_OVERLAP * coverage.covered as f64 {
             return Ok(Self::laid_out(size, rects, true, &coverage));
         }
         let (size, rects) = pack::pack(scene, resolution)?;
-        let coverage = measure(scene, size, &rects);
+        let coverage = measure(scene, size, &rects, f64::INFINITY);
         Ok(Self::laid_out(size, rects, false, &coverage))
     }
 
@@ -97,11 +97,17 @@ impl Atlas {
     }
 }
 
-fn measure(scene: &Scene, size: UVec2, rects: &[AtlasRect]) -> Coverage {
+/// Broken off where instances share more than `most` of all texels: a level of thousands that all have the whole map would
+/// take minutes to tell.
+fn measure(scene: &Scene, size: UVec2, rects: &[AtlasRect], most: f64) -> Coverage {
     let mut coverage = Coverage::new(size);
+    let texels = f64::from(size.x) * f64::from(size.y);
     for (index, (instance, rect)) in scene.instances().iter().zip(rects).enumerate() {
         for uvs in mesh_of(scene, instance).light_map_uvs().iter().flatten() {
             coverage.add(index as u32, uvs.map(|uv| uv * rect.scale + rect.offset));
+        }
+        if coverage.between_instances as f64 > most * texels {
+            break;
         }
     }
     coverage

@@ -11,13 +11,14 @@ use glam::{DAffine3, DVec3, Vec2, Vec3};
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
 
-pub(super) const CASES: [Case; 6] = [
+pub(super) const CASES: [Case; 7] = [
     Case::extreme(16, "texels inside a wall", inside_a_wall),
     Case::extreme(16, "islands of a texel and less", islands),
     Case::extreme(16, "overlapping charts in a mesh", overlapping_charts),
     Case::extreme(16, "overlapping charts of instances", overlapping_instances),
     Case::extreme(16, "light-map coordinates outside the map", outside_the_map),
     Case::extreme(16, "triangles without area in the map", without_area_in_the_map),
+    Case::extreme(16, "gutter between two charts", gutter),
 ];
 
 /// A stage under a sky of radiance 1, and what every open surface then gets.
@@ -90,6 +91,25 @@ fn baker_of(gpu: &Gpu, scene: &Scene) -> Result<Baker> {
 /// In the sun, and turned away from it.
 fn lit_and_dark(chart: Chart) -> [Quad; 2] {
     [level_square(1.0, 0.0, Facing::Up, chart, 0), level_square(1.0, -3.0, Facing::Down, chart, 0)]
+}
+
+/// Between a chart in the sun and one that is turned away each texel has the light of the nearer one.
+fn gutter(gpu: &Gpu, checks: &mut Checks) -> Result<()> {
+    const FIRST: u32 = 46;
+    const LAST: u32 = 51;
+    let charts = [40, 52].map(|column| Chart::at([column, 10], 6).inset(0.01));
+    let mut stage = Stage::new();
+    stage.material(0.0, 0.0);
+    stage.light(LightKind::Directional { direction: Vec3::NEG_Z });
+    let [lit, dark] = [lit_and_dark(charts[0])[0], lit_and_dark(charts[1])[1]];
+    let (map, _) = bake(gpu, &stage.with(&[lit, dark])?, How::new(64, Bounces::Auto), 0)?;
+    for column in FIRST..=LAST {
+        let light = if 2 * column < FIRST + LAST { 1.0 } else { 0.0 };
+        let texels = (10..16).map(|row| map.pixels[(row * SIDE + column) as usize]);
+        let wrong = texels.filter(|pixel| (pixel[1] - light).abs() > 1e-5 || pixel[3] != 0.0).count();
+        checks.count(format!("texels of column {column} without the nearer light"), wrong as u64, 0);
+    }
+    Ok(())
 }
 
 /// They are counted, and each texel has the light of one of the surfaces: no mixture of them, and no sum.

@@ -7,9 +7,11 @@ mod bare_scenes;
 mod charts;
 mod choice;
 mod closed_meshes;
+mod colours;
 mod energy;
 mod extremes;
 mod form_factors;
+mod frame_noise;
 mod furnace;
 mod instances;
 mod lambert;
@@ -36,8 +38,9 @@ mod triangles;
 use super::{Case, Checks};
 
 /// In the order of the table.
-pub(super) const GROUPS: [&[Case]; 32] = [
+pub(super) const GROUPS: [&[Case]; 34] = [
     &furnace::CASES,
+    &colours::CASES,
     &spheres::CASES,
     &form_factors::CASES,
     &surfaces::CASES,
@@ -47,6 +50,7 @@ pub(super) const GROUPS: [&[Case]; 32] = [
     &sky::CASES,
     &radiosity::CASES,
     &temporal::CASES,
+    &frame_noise::CASES,
     &settling::CASES,
     &area::CASES,
     &traversal::CASES,

@@ -108,7 +108,7 @@ fn sky(gpu: &Gpu, checks: &mut Checks) -> Result<()> {
 }
 
 /// A point light that lies on a surface, just above and just below it, and a lamp as bright as numbers get: what is no
-/// number on the device counts as 0, and spoils nothing beside it.
+/// number on the device counts as 0, and spoils nothing beside it. (A map with any such pixel ends the case.)
 fn light_on_a_surface(gpu: &Gpu, checks: &mut Checks) -> Result<()> {
     let floor = level_square(1.0, 0.0, Facing::Up, chart(0), 0);
     let beside = level_square(1.0, 0.0, Facing::Up, chart(1), 0);
@@ -127,8 +127,6 @@ fn light_on_a_surface(gpu: &Gpu, checks: &mut Checks) -> Result<()> {
         stage.place(&[beside, lid], DAffine3::from_translation(DVec3::X * 20.0));
         let (map, _) = bake(gpu, &stage.build()?, How::new(256, Bounces::Auto), 0)?;
         let what = format!("intensity {intensity:e} at {height:e}");
-        let lit = irradiance(&map, chart(0))?.into_iter().fold(0.0, f64::max);
-        checks.at_most(format!("{what}: the floor's light is a number"), lit, f32::MAX.into());
         let values = irradiance(&map, chart(1))?;
         let off = values.iter().map(|value| (value / PI - 1.0).abs()).fold(0.0, f64::max);
         checks.at_most(format!("{what}: light under a lid, worst texel off by"), off, 5e-2);

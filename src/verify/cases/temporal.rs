@@ -96,7 +96,7 @@ fn steady_noise(_: &Gpu, checks: &mut Checks) -> Result<()> {
             texels.iter().map(|texel| f64::from(*texel).powi(2)).sum::<f64>() / TEXELS as f64
         };
         let estimate = Estimate::over(&(0..SEEDS).map(variance).collect::<Vec<_>>());
-        let weight = average.weight(1.0 / rate);
+        let weight = 1.0 - THRESHOLD.powf(1.0 / (rate * latency_s));
         let expected = weight / (2.0 - weight) / f64::from(quanta);
         let what = format!("variance at {rate} frames a second, latency {latency_s} s, {quanta} quanta");
         checks.estimate(what, estimate, expected, 0.0, 0.1 * expected);

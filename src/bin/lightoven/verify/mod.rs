@@ -84,8 +84,11 @@ fn selected(only: &[String]) -> Result<Vec<&'static Case>> {
 fn holds(title: &str, name: &str) -> bool {
     let name = name.to_lowercase();
     let is_digit = |c: Option<char>| c.is_some_and(|c| c.is_ascii_digit());
-    let cuts_number = |end: usize| is_digit(name.chars().last()) && is_digit(title[end..].chars().next());
-    title.match_indices(&name).any(|(start, _)| !cuts_number(start + name.len()))
+    let cuts_number = |start: usize, end: usize| {
+        is_digit(name.chars().last()) && is_digit(title[end..].chars().next())
+            || is_digit(name.chars().next()) && is_digit(title[..start].chars().last())
+    };
+    !name.is_empty() && title.match_indices(&name).any(|(start, _)| !cuts_number(start, start + name.len()))
 }
 
 #[cfg(test)]
@@ -96,8 +99,8 @@ mod tests {
     fn numbers_are_meant_whole() {
         let title = "closed form 12 spot light";
         assert!(
-            holds(title, "Closed Form 12") && holds(title, "spot") && holds(title, "form 12 s") && holds(title, "")
+            holds(title, "Closed Form 12") && holds(title, "spot") && holds(title, "form 12 s") && holds(title, "12")
         );
-        assert!(!holds(title, "closed form 1") && !holds(title, "closed form 2") && !holds(title, "sun"));
+        assert!(!holds(title, "closed form 1") && !holds(title, "2") && !holds(title, "sun") && !holds(title, ""));
     }
 }
