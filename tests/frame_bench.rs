@@ -53,7 +53,9 @@ fn every_output_is_written_in_both_modes() {
             assert!(numbers.iter().all(|name| budget[name].is_number()), "{budget}");
         }
         let names = ["efficiency", "low", "high", "raster_slowdown"];
-        assert!(names.iter().all(|name| report["overlap"][name].is_number()), "{report}");
+        // On a busy machine frames this small may have no time for a ray, and there is nothing to overlap.
+        let overlap = report.get("overlap").expect("is there");
+        assert!(overlap.is_null() || names.iter().all(|name| overlap[name].is_number()), "{report}");
 
         let read = |name: &str| fs::read(folder.path().join(name)).expect("was written");
         let rows = text(&read("f.csv")).lines().count();
