@@ -16,7 +16,7 @@ use shared_scenes::shared_scene;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
-on_both_back_ends!(the_same_bits, the_same_light, as_much_as_was_estimated);
+on_both_back_ends!(the_same_bits, the_same_light, as_much_as_was_estimated, nothing_of_what_is_absent);
 
 const ASSETS: [&str; 5] = ["cornell", "courtyard", "doorway", "furnace", "tiny_lamp"];
 const LEVELS: [&str; 2] = ["wrackdm17.glb", "islandctf.glb"];
@@ -103,6 +103,67 @@ fn as_much_as_was_estimated(gpu: &Gpu) {
             );
             drop(baker);
             assert_eq!(gpu.allocated_bytes(), before, "{name}: memory stays");
+        }
+    }
+}
+
+/// What there is of a feature alone: pipelines, buffers and images.
+const BEHIND: [(Features, &[&str]); 9] = [
+    (Features::SKY_MAP, &["sky map", "sky importance pyramid", "sky evidence map"]),
+    (Features::LIGHTS, &["direct.comp", "lights", "direct map"]),
+    (Features::TEXTURES, &["albedo map", "emission map", "texture coordinates"]),
+    (Features::IMPORTANCE, &["importance.comp", "importance sums", "evidence map", "aimed luminance"]),
+    (Features::SHARED_TEXELS, &["pieces map", "pieces"]),
+    (
+        Features::CLUSTERS,
+        &[
+            "clusters.comp",
+            "weights.comp",
+            "clusters",
+            "sums within clusters",
+            "texels of clusters",
+            "seats",
+            "sightings",
+        ],
+    ),
+    (Features::LINKS, &["bounce.comp", "links"]),
+    (Features::ADAPTIVE, &["activity"]),
+    (Features::HALVES.union(Features::LINKS), &["mean of odd quanta"]),
+];
+
+fn nothing_of_what_is_absent(gpu: &Gpu) {
+    let settings = |error, sampling| BakeSettings {
+        resolution: Resolution::Texels(64),
+        error,
+        sampling,
+        ..BakeSettings::default()
+    };
+    for (name, scene) in scenes() {
+        for settings in [
+            settings(ErrorEstimate::None, Sampling::Cosine),
+            settings(ErrorEstimate::Told, Sampling::Auto),
+            settings(ErrorEstimate::Adaptive, Sampling::Mixture { cosine: 0.5 }),
+        ] {
+            let baker = Baker::new(gpu, &scene, &settings).unwrap();
+            let objects = gpu.objects();
+            let alive = |name: &&str| {
+                [&objects.pipelines, &objects.buffers, &objects.images]
+                    .iter()
+                    .any(|objects| objects.contains_key(*name))
+            };
+            let features = baker.features();
+            for (feature, behind) in BEHIND.iter().filter(|(feature, _)| !features.intersects(*feature)) {
+                let found: Vec<_> = behind.iter().filter(|name| alive(name)).collect();
+                assert!(found.is_empty(), "{name}, without {feature:?}: {found:?} exist");
+            }
+            // The names are right: what is there is found.
+            for (feature, behind) in BEHIND.iter().filter(|(feature, _)| features.contains(*feature)) {
+                let found = behind.iter().filter(|name| alive(name)).count();
+                let needs_both = *feature == Features::SKY_MAP && !features.contains(Features::IMPORTANCE);
+                assert!(found == behind.len() || needs_both, "{name}, with {feature:?}: {found} of {behind:?}");
+            }
+            drop(baker);
+            assert_eq!(gpu.objects().count(), 0, "{name}: {:?}", gpu.objects());
         }
     }
 }

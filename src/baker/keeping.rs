@@ -31,8 +31,8 @@ impl Baker {
                 if is_broken_off || is_due { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
             })?;
             if outcome == Outcome::Finished || is_broken_off {
-                if let Running::Still(still) = &self.running {
-                    still.tell_missing(&mut self.core);
+                if let Running::Still(still) = &mut self.0 {
+                    still.1.tell_missing(&mut still.0);
                 }
                 return Ok(outcome);
             }

@@ -1,6 +1,7 @@
 //! What a bake takes on the device, told before anything is allocated.
 
 use super::BakeSettings;
+use super::dark::is_dark;
 use crate::error::{Error, ErrorKind, Result};
 use crate::features::Features;
 use crate::gpu::DeviceInfo;
@@ -68,6 +69,15 @@ impl MemoryEstimate {
         Self { parts, set_up, features }
     }
 
+    /// Of a bake with these settings.
+    pub(super) fn of_bake(scene: &Scene, atlas: &Atlas, settings: &BakeSettings) -> Self {
+        if is_dark(scene, atlas, settings) {
+            let parts = vec![("light map", 16 * u64::from(atlas.size.x) * u64::from(atlas.size.y))];
+            return Self { parts, set_up: Vec::new(), features: Features::empty() };
+        }
+        Self::of(scene, atlas, Features::required(scene, settings))
+    }
+
     /// `OutOfMemory` where the device does not have as much.
     pub(super) fn check(&self, size: [u32; 2], info: &DeviceInfo) -> Result<()> {
         let (most, available) = (self.most(), info.device_memory_bytes);
@@ -94,6 +104,6 @@ fn sky_size(scene: &Scene) -> [u32; 2] {
 /// As [`Atlas::new`].
 pub fn estimate_memory(scene: &Scene, settings: &BakeSettings) -> Result<(Atlas, MemoryEstimate)> {
     let atlas = Atlas::new(scene, settings.resolution)?;
-    let estimate = MemoryEstimate::of(scene, &atlas, Features::required(scene, settings));
+    let estimate = MemoryEstimate::of_bake(scene, &atlas, settings);
     Ok((atlas, estimate))
 }

@@ -2,6 +2,7 @@
 //! an engine's frames (`frames`).
 
 mod aiming;
+mod dark;
 mod frames;
 mod gather_bench;
 mod keeping;
@@ -27,6 +28,7 @@ use crate::gpu::{Commands, Constants, FrameCommands, Gpu, TimelinePoint};
 use crate::pass::{DeviceScene, Maps, TexelList};
 use crate::scene::{Atlas, Light, Resolution, Sky};
 use ash::vk;
+use dark::Dark;
 use frames::{Frames, Shown};
 use glam::{DAffine3, Vec3};
 use std::ops::ControlFlow;
@@ -142,10 +144,7 @@ pub struct DeviceLightMap {
 /// reports with [`Baker::complete`] when a frame has finished on the device, and uses [`Baker::light_map`] in between. The
 /// baker never waits within a frame. What has changed in the scene is told before the frame, and a change that is refused
 /// leaves everything as it was.
-pub struct Baker {
-    core: Core,
-    running: Running,
-}
+pub struct Baker(Running);
 
 /// What both ways of baking work on.
 struct Core {
@@ -162,8 +161,9 @@ struct Core {
 }
 
 enum Running {
-    Still(Box<Still>),
-    Frames(Box<Frames>),
+    Dark(Box<Dark>),
+    Still(Box<(Core, Still)>),
+    Frames(Box<(Core, Frames)>),
 }
 
 impl Baker {
@@ -197,8 +197,9 @@ impl Baker {
         stretch: Stretch,
         progress: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
     ) -> Result<Outcome> {
-        match &mut self.running {
-            Running::Still(still) => still.bake(&mut self.core, stop, stretch, progress),
+        match &mut self.0 {
+            Running::Dark(dark) => dark.bake(stop, progress),
+            Running::Still(still) => still.1.bake(&mut still.0, stop, stretch, progress),
             Running::Frames(_) => {
                 Err(Error::settings("a baker with Mode::Frames does not bake at a stretch; Mode::Still does"))
             }
@@ -211,10 +212,11 @@ impl Baker {
     /// # Errors
     /// `DeviceLost`, `OutOfMemory` or `Driver` from the device.
     pub fn read_back(&mut self) -> Result<LightMap> {
-        let core = &mut self.core;
-        match &mut self.running {
-            Running::Still(still) => still.read_back(core),
-            Running::Frames(frames) => {
+        match &mut self.0 {
+            Running::Dark(dark) => Ok(dark.read_back()),
+            Running::Still(still) => still.1.read_back(&mut still.0),
+            Running::Frames(running) => {
+                let (core, frames) = &mut **running;
                 let pixels = core.commands.read_image(&core.maps.light_map[frames.light_map().map])?;
                 let [width, height] = core.maps.size;
                 Ok(LightMap { width, height, pixels })
@@ -264,13 +266,18 @@ impl Baker {
     /// reported complete: use it in the next frame that is recorded, and ask again for the one after. With [`Mode::Still`]
     /// the only one, which [`Baker::read_back`] finishes.
     pub fn light_map(&self) -> DeviceLightMap {
-        let Shown { map, generation, sweeps } = match &self.running {
-            Running::Still(_) => Shown::default(),
-            Running::Frames(frames) => frames.light_map(),
+        let Shown { map, generation, sweeps } = match &self.0 {
+            Running::Dark(_) | Running::Still(_) => Shown::default(),
+            Running::Frames(frames) => frames.1.light_map(),
         };
-        let (image, view) = self.core.maps.light_map[map].handles();
+        let image = match &self.0 {
+            Running::Dark(dark) => &dark.image,
+            Running::Still(still) => &still.0.maps.light_map[map],
+            Running::Frames(frames) => &frames.0.maps.light_map[map],
+        };
+        let (size, (image, view)) = (image.size(), image.handles());
         let (layout, format) = (vk::ImageLayout::GENERAL, vk::Format::R32G32B32A32_SFLOAT);
-        DeviceLightMap { image, view, layout, format, size: self.core.maps.size, generation, sweeps }
+        DeviceLightMap { image, view, layout, format, size, generation, sweeps }
     }
 
     /// Moves an instance, counted as in [`crate::scene::Scene::instances`]. The g-buffer, in object space, stays as it is.
@@ -351,31 +358,44 @@ impl Baker {
     /// Rays that a frame of this budget has for each texel, as far as is known: rays a second * budget / texels. 0 with
     /// [`Mode::Still`].
     pub fn samples_per_texel(&self, budget: Duration) -> f64 {
-        match &self.running {
-            Running::Still(_) => 0.0,
-            Running::Frames(frames) => frames.samples_per_texel(&self.core, budget),
+        match &self.0 {
+            Running::Dark(_) | Running::Still(_) => 0.0,
+            Running::Frames(frames) => frames.1.samples_per_texel(&frames.0, budget),
         }
     }
 
     fn frames(&mut self) -> Result<(&mut Frames, &mut Core)> {
-        match &mut self.running {
-            Running::Frames(frames) => Ok((frames, &mut self.core)),
-            Running::Still(_) => Err(Error::settings("a baker with Mode::Still knows no frames; Mode::Frames does")),
+        match &mut self.0 {
+            Running::Frames(running) => {
+                let (core, frames) = &mut **running;
+                Ok((frames, core))
+            }
+            Running::Dark(_) | Running::Still(_) => {
+                Err(Error::settings("a baker with Mode::Still knows no frames; Mode::Frames does"))
+            }
         }
     }
 
     /// The layout of the light map.
     pub fn atlas(&self) -> &Atlas {
-        &self.core.atlas
+        self.core().map_or_else(|dark| &dark.atlas, |core| &core.atlas)
     }
 
-    /// What the scene needs; all else was left out.
+    /// What the scene needs; all else was left out. Nothing, where the light map can only be black.
     pub fn features(&self) -> Features {
-        self.core.features
+        self.core().map_or(Features::empty(), |core| core.features)
     }
 
     /// What has been done so far.
     pub fn statistics(&self) -> &Statistics {
-        &self.core.statistics
+        self.core().map_or_else(|dark| &dark.statistics, |core| &core.statistics)
+    }
+
+    fn core(&self) -> std::result::Result<&Core, &Dark> {
+        match &self.0 {
+            Running::Dark(dark) => Err(dark),
+            Running::Still(still) => Ok(&still.0),
+            Running::Frames(frames) => Ok(&frames.0),
+        }
     }
 }

@@ -1,5 +1,6 @@
 //! What happens once before a bake: hierarchy, maps, g-buffer, the list of texels, and every pipeline's first use.
 
+use super::dark::{Dark, is_dark, nothing_to_bake};
 use super::frames::Frames;
 use super::memory::MemoryEstimate;
 use super::needs::check_unneeded;
@@ -30,18 +31,26 @@ pub(super) fn origin_offset(reach: f64) -> f32 {
 }
 
 impl Baker {
-    /// Prepares a bake: lays out the light map, builds the hierarchy, draws the g-buffer. Waits for the device.
+    /// Prepares a bake: lays out the light map, builds the hierarchy, draws the g-buffer. Waits for the device. With
+    /// [`Mode::Still`] nothing of this is done where the light map can only be black; a warning says why.
     ///
     /// # Errors
-    /// `InvalidSettings` for a setting outside its range; `InvalidScene` where there is nothing to bake; `OutOfMemory`,
+    /// `InvalidSettings` for a setting outside its range; `InvalidScene` with [`Mode::Frames`] where there is nothing to bake; `OutOfMemory`,
     /// saying what was asked for; `DeviceLost` or `Driver` from the device.
     pub fn new(gpu: &Gpu, scene: &Scene, settings: &BakeSettings) -> Result<Self> {
         check(gpu, settings)?;
         check_size(scene)?;
         let started = Instant::now();
         let atlas = Atlas::new(scene, settings.resolution)?;
-        let features = Features::required(scene, settings);
-        MemoryEstimate::of(scene, &atlas, features).check(atlas.size.to_array(), gpu.info())?;
+        let estimate = MemoryEstimate::of_bake(scene, &atlas, settings);
+        estimate.check(atlas.size.to_array(), gpu.info())?;
+        if is_dark(scene, &atlas, settings) {
+            return Ok(Self(Running::Dark(Box::new(Dark::new(gpu, scene, atlas)?))));
+        }
+        if atlas.touched_texels == 0 {
+            return Err(Error::scene(nothing_to_bake(scene)));
+        }
+        let features = estimate.features;
         let mut statistics = Statistics::default();
         statistics.seconds.gbuffer = started.elapsed().as_secs_f64();
         let started = Instant::now();
@@ -58,14 +67,18 @@ impl Baker {
         let mut core = Core::new(gpu, scene, settings, &mut bvh, atlas, features, statistics)?;
 
         let started = Instant::now();
-        let running = match settings.mode {
-            Mode::Still => Running::Still(Box::new(Still::new(&mut core, settings)?)),
-            Mode::Frames(frames) => {
-                Running::Frames(Box::new(Frames::new(&mut core, scene, bvh, frames, settings.sampling)?))
+        Ok(Self(match settings.mode {
+            Mode::Still => {
+                let still = Still::new(&mut core, settings)?;
+                core.statistics.seconds.compile += started.elapsed().as_secs_f64();
+                Running::Still(Box::new((core, still)))
             }
-        };
-        core.statistics.seconds.compile += started.elapsed().as_secs_f64();
-        Ok(Self { core, running })
+            Mode::Frames(frames) => {
+                let frames = Frames::new(&mut core, scene, bvh, frames, settings.sampling)?;
+                core.statistics.seconds.compile += started.elapsed().as_secs_f64();
+                Running::Frames(Box::new((core, frames)))
+            }
+        }))
     }
 }
 

@@ -14,7 +14,7 @@ pub(super) struct Coverage {
     /// `[texel]`, row-major: instance + 1; 0: none.
     owners: Vec<u32>,
     /// `[texel]`: some triangle has a part of it.
-    touched: Vec<bool>,
+    pub(super) touched: Vec<bool>,
     /// Texels covered at least once.
     pub(super) covered: usize,
     /// Texels that two instances cover.
@@ -64,7 +64,7 @@ impl Coverage {
     }
 
     /// Texels that the g-buffer will fill, but for what rounds the other way.
-    pub(super) fn touched(&self) -> usize {
+    pub(super) fn touched_texels(&self) -> usize {
         self.touched.iter().filter(|touched| **touched).count()
     }
 
@@ -94,8 +94,9 @@ fn cross(a: (i64, i64), b: (i64, i64), p: (i64, i64)) -> i64 {
 /// Whether no edge has the whole texel on its outer side, as `glsl/include/gbuffer.glsl` has it.
 fn touches([a, b, c]: [(i64, i64); 3], centre: (i64, i64), half: i64) -> bool {
     [(a, b), (b, c), (c, a)].into_iter().all(|(from, to)| {
-        let reach = half * ((to.0 - from.0).abs() + (to.1 - from.1).abs());
-        cross(from, to, centre) >= -reach
+        // In halves: half a subtexel is the 0.002 texels that touching is counted from.
+        let reach = (2 * half + 1) * ((to.0 - from.0).abs() + (to.1 - from.1).abs());
+        2 * cross(from, to, centre) >= -reach
     })
 }
 

@@ -57,20 +57,14 @@ impl Atlas {
     /// rectangle of its own, its size by world area.
     ///
     /// # Errors
-    /// `InvalidSettings` for a resolution outside its range or too small for the number of instances; `InvalidScene`
-    /// where nothing has light-map coordinates.
+    /// `InvalidSettings` for a resolution outside its range or too small for the number of instances.
     pub fn new(scene: &Scene, resolution: Resolution) -> Result<Self> {
         check(resolution)?;
         let instances = scene.instances();
         let mapped = |instance: &Instance| mesh_of(scene, instance).light_map_uvs().iter().any(Option::is_some);
-        if !instances.iter().any(mapped) {
-            return Err(Error::scene(format!(
-                "nothing to bake in '{}': no triangle has light-map coordinates (TEXCOORD_1)",
-                scene.name()
-            )));
-        }
         let side = match resolution {
             Resolution::Texels(side) => side,
+            Resolution::PerUnit(_) if !instances.iter().any(mapped) => 1,
             Resolution::PerUnit(density) => shared_side(scene, density)?,
         };
         let full = AtlasRect { scale: Vec2::splat(side as f32), offset: Vec2::ZERO };
@@ -84,6 +78,11 @@ impl Atlas {
         Ok(Self::laid_out(size, rects, false, &coverage))
     }
 
+    /// `[texel]`, row-major: whether a surface covers or touches it, but for what rounds the other way.
+    pub(crate) fn touched(&self, scene: &Scene) -> Vec<bool> {
+        measure(scene, self.size, &self.rects, f64::INFINITY).touched
+    }
+
     fn laid_out(size: UVec2, rects: Vec<AtlasRect>, shared: bool, coverage: &Coverage) -> Self {
         let overlapping_texels = coverage.between_instances + coverage.within_instance;
         Self {
@@ -91,7 +90,7 @@ impl Atlas {
             rects,
             shared,
             covered_texels: coverage.covered,
-            touched_texels: coverage.touched(),
+            touched_texels: coverage.touched_texels(),
             overlapping_texels,
         }
     }

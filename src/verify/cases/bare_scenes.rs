@@ -1,15 +1,15 @@
 //! Extreme case 17: scenes with next to nothing in them.
 
 use super::{Case, Checks};
-use crate::baker::{BakeSettings, Baker, Bounces, Sampling};
+use crate::baker::{BakeSettings, Baker, Bounces, FrameSettings, Mode, Outcome, Sampling, Stop};
 use crate::error::{ErrorKind, Result};
-use crate::features::Features;
 use crate::gpu::Gpu;
 use crate::scene::{Resolution, Scene, SceneDesc, Sidedness};
 use crate::verify::estimate::{How, bake};
 use crate::verify::stage::{Chart, Facing, SIDE, Stage, level_square};
 use glam::DAffine3;
 use std::f64::consts::PI;
+use std::ops::ControlFlow;
 
 pub(super) const CASES: [Case; 3] = [
     Case::extreme(17, "scene with nothing to bake", nothing),
@@ -27,7 +27,7 @@ fn triangle() -> Stage {
     stage
 }
 
-/// An error that says so.
+/// An empty light map, and a warning that says so; within frames, where nothing could ever come of it, an error.
 fn nothing(gpu: &Gpu, checks: &mut Checks) -> Result<()> {
     let settings = BakeSettings { resolution: Resolution::Texels(SIDE), ..BakeSettings::default() };
     let mut without_instances = triangle();
@@ -42,8 +42,20 @@ fn nothing(gpu: &Gpu, checks: &mut Checks) -> Result<()> {
         ("no triangle", without_triangles.desc),
         ("no light-map coordinates", without_charts.desc),
     ] {
-        let baker = Baker::new(gpu, &Scene::new(desc)?, &settings);
-        checks.refused(what, &baker, ErrorKind::InvalidScene, &["nothing to bake in 'stage'"]);
+        let scene = Scene::new(desc)?;
+        let mut baker = Baker::new(gpu, &scene, &settings)?;
+        let outcome = baker.bake(&Stop::default(), &mut |_| ControlFlow::Continue(()))?;
+        checks.holds(format!("{what}: the bake is done"), outcome == Outcome::Finished);
+        let map = baker.read_back()?;
+        let is_empty = map.pixels.len() == (SIDE * SIDE) as usize && map.pixels.iter().all(|pixel| *pixel == [0.0; 4]);
+        checks.holds(format!("{what}: its light map is empty"), is_empty);
+        let told = matches!(&baker.statistics().warnings[..], [one] if one.contains("nothing to bake in 'stage'"));
+        checks.holds(format!("{what}: a warning says so"), told);
+        let pipelines = gpu.objects().pipelines;
+        checks.count(format!("{what}: pipelines"), pipelines.values().map(|count| *count as u64).sum(), 0);
+        let mode = Mode::Frames(FrameSettings::default());
+        let frames = Baker::new(&gpu.as_of_an_engine()?, &scene, &BakeSettings { mode, ..settings.clone() });
+        checks.refused(what, &frames, ErrorKind::InvalidScene, &["nothing to bake in 'stage'"]);
     }
     Ok(())
 }
@@ -65,18 +77,21 @@ fn one_triangle(gpu: &Gpu, checks: &mut Checks) -> Result<()> {
     Ok(())
 }
 
-/// Black to the bit, and done at once; what such a scene does not need is not built.
+/// Black to the bit, and done at once: nothing is built.
 fn no_light(gpu: &Gpu, checks: &mut Checks) -> Result<()> {
     let scene = triangle().build()?;
     let (map, statistics) = bake(gpu, &scene, How::new(64, Bounces::Auto), 0)?;
     let baked = map.pixels.iter().filter(|pixel| pixel[3] == 1.0).count();
     checks.count("texels", baked as u64, statistics.texels);
+    checks.within("half of the chart's texels", statistics.texels as f64, 14.0 * 29.0, 28.0);
     let lit = map.pixels.iter().filter(|pixel| pixel[..3] != [0.0; 3]).count();
     checks.count("pixels that are not black", lit as u64, 0);
-    checks.holds("its estimated error is none", statistics.estimated_error.is_none_or(|error| error == 0.0));
-    let settings =
-        BakeSettings { resolution: Resolution::Texels(SIDE), sampling: Sampling::Cosine, ..BakeSettings::default() };
-    let features = Baker::new(gpu, &scene, &settings)?.features();
-    checks.count("features that it is built with", features.bits().into(), Features::empty().bits().into());
+    checks.count("rays", statistics.rays, 0);
+    checks.holds("its error is 0", statistics.estimated_error == Some(0.0));
+    let settings = BakeSettings { resolution: Resolution::Texels(SIDE), ..BakeSettings::default() };
+    let baker = Baker::new(gpu, &scene, &settings)?;
+    checks.count("features that it is built with", baker.features().bits().into(), 0);
+    let pipelines = gpu.objects().pipelines;
+    checks.count("pipelines", pipelines.values().map(|count| *count as u64).sum(), 0);
     Ok(())
 }

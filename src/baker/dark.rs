@@ -1,0 +1,74 @@
+//! A bake of a scene in which nothing shines, or nothing receives light: its light map is black, and no ray is sent.
+
+use super::{BakeSettings, LightMap, Mode, Outcome, Progress, Statistics, Stop};
+use crate::epochs::Epoch;
+use crate::error::Result;
+use crate::gpu::{Commands, Gpu, Image, ImageDesc};
+use crate::scene::{Atlas, Scene};
+use ash::vk;
+use std::ops::ControlFlow;
+use std::time::Duration;
+
+/// A black light map.
+pub(super) struct Dark {
+    pub(super) atlas: Atlas,
+    pub(super) statistics: Statistics,
+    pub(super) image: Image,
+    map: LightMap,
+}
+
+/// Whether a light map can only be black: that of a scene which stays as it is, and in which everything is left out that is
+/// not needed.
+pub(super) fn is_dark(scene: &Scene, atlas: &Atlas, settings: &BakeSettings) -> bool {
+    settings.mode == Mode::Still && settings.unneeded.is_empty() && (atlas.touched_texels == 0 || !shines(scene))
+}
+
+fn shines(scene: &Scene) -> bool {
+    let emits = |material: &u32| scene.materials()[*material as usize].is_emissive();
+    let mut meshes = scene.instances().iter().map(|instance| &scene.meshes()[instance.mesh]);
+    scene.sky().shines()
+        || scene.lights().iter().any(|light| light.intensity.max_element() > 0.0)
+        || meshes.any(|mesh| mesh.materials().iter().any(emits))
+}
+
+pub(super) fn nothing_to_bake(scene: &Scene) -> String {
+    format!("nothing to bake in '{}': no triangle has light-map coordinates (TEXCOORD_1)", scene.name())
+}
+
+impl Dark {
+    pub(super) fn new(gpu: &Gpu, scene: &Scene, atlas: Atlas) -> Result<Self> {
+        let mut statistics = Statistics::default();
+        let [width, height] = atlas.size.to_array();
+        let covered = atlas.touched(scene);
+        statistics.texels = covered.iter().filter(|covered| **covered).count() as u64;
+        statistics.warn(if statistics.texels == 0 {
+            nothing_to_bake(scene)
+        } else {
+            let name = scene.name();
+            format!("nothing shines in '{name}': no emission, no light, no sky; its light map is black")
+        });
+        let pixel = |covered: &bool| [0.0, 0.0, 0.0, f32::from(u8::from(*covered))];
+        let map = LightMap { width, height, pixels: covered.iter().map(pixel).collect() };
+        let usage = vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_SRC;
+        let format = vk::Format::R32G32B32A32_SFLOAT;
+        let desc = ImageDesc { name: "light map", size: [width, height], format, usage, mip_levels: 1 };
+        let image = Commands::new(gpu)?.upload_image(desc, &map.pixels)?;
+        Ok(Self { atlas, statistics, image, map })
+    }
+
+    /// Done at once.
+    pub(super) fn bake(
+        &mut self,
+        stop: &Stop,
+        progress: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
+    ) -> Result<Outcome> {
+        stop.check()?;
+        self.statistics.estimated_error = Some(0.0);
+        let report = self.statistics.progress(Epoch::Keep { quanta: 0 }, stop, Duration::ZERO);
+        Ok(if progress(&report).is_break() { Outcome::Interrupted } else { Outcome::Finished })
+    }
+
+    pub(super) fn read_back(&self) -> LightMap {
+        self.map.clone()
+    }
+}
