@@ -49,7 +49,7 @@ impl GatherBench {
         let settings = BakeSettings { resolution, sampling, bounces, ..BakeSettings::default() };
         let atlas = Atlas::new(scene, resolution)?;
         let (features, mut bvh) = (Features::required(scene, &settings), bvh.clone());
-        let core = Core::new(gpu, scene, &settings, &mut bvh, atlas, features, Statistics::default())?;
+        let core = Core::new(gpu, scene, &settings, &mut bvh, atlas, features, Statistics::default(), None)?;
         let bake = Bake::new(core.context(), &core.texels)?;
         Ok(Self { bake, stopwatch: Stopwatch::new(gpu)?, core })
     }

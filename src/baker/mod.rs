@@ -9,6 +9,7 @@ mod keeping;
 mod memory;
 mod needs;
 mod progress;
+mod renewal;
 mod setup;
 mod still;
 
@@ -149,6 +150,7 @@ pub struct Baker(Running);
 /// What both ways of baking work on.
 struct Core {
     gpu: Gpu,
+    settings: BakeSettings,
     commands: Commands,
     constants: Constants,
     texels: TexelList,

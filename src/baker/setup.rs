@@ -64,7 +64,7 @@ impl Baker {
         }
         let mut bvh = Bvh::build_for(scene, &atlas, motion)?;
         statistics.seconds.bvh = started.elapsed().as_secs_f64();
-        let mut core = Core::new(gpu, scene, settings, &mut bvh, atlas, features, statistics)?;
+        let mut core = Core::new(gpu, scene, settings, &mut bvh, atlas, features, statistics, None)?;
 
         let started = Instant::now();
         Ok(Self(match settings.mode {
@@ -99,7 +99,7 @@ fn warn_of_what_is_missed(scene: &Scene, features: Features, statistics: &mut St
 /// Areas of texels of a scene smaller than this are no 32-bit numbers: it would bake black.
 const LEAST_REACH: f64 = 1e-12;
 
-fn check_size(scene: &Scene) -> Result<()> {
+pub(super) fn check_size(scene: &Scene) -> Result<()> {
     let reach = reach(scene);
     if reach == 0.0 || reach >= LEAST_REACH {
         return Ok(());
@@ -137,6 +137,8 @@ impl Core {
         Context { gpu: &self.gpu, constants: self.constants, scene: &self.scene, maps: &self.maps }
     }
 
+    /// `kept`: maps of the same layout whose light is taken over.
+    #[expect(clippy::too_many_arguments, reason = "all that a bake is made from, in one place")]
     pub(super) fn new(
         gpu: &Gpu,
         scene: &Scene,
@@ -145,6 +147,7 @@ impl Core {
         atlas: Atlas,
         mut features: Features,
         mut statistics: Statistics,
+        kept: Option<&Maps>,
     ) -> Result<Self> {
         let started = Instant::now();
         let size = atlas.size.to_array();
@@ -155,7 +158,7 @@ impl Core {
         let mut commands = Commands::new(gpu)?;
         let nothing = Nothing::new(&mut commands)?;
         let mut device_scene = DeviceScene::new(gpu, &mut commands, scene, bvh, features, &nothing)?;
-        let mut maps = Maps::new(gpu, &mut commands, size, device_scene.sky_size(), features, &nothing)?;
+        let mut maps = Maps::new(gpu, &mut commands, size, device_scene.sky_size(), features, &nothing, kept)?;
         let constants = Constants::new(features, bvh);
         let context = Context { gpu, constants, scene: &device_scene, maps: &maps };
         let push = push_of(scene, settings, bvh, &device_scene, size);
@@ -190,8 +193,20 @@ impl Core {
         }
         statistics.seconds.compile = compile;
         statistics.seconds.gbuffer += started.elapsed().as_secs_f64() - compile - statistics.seconds.aiming;
-        let gpu = gpu.clone();
-        Ok(Self { gpu, commands, constants, texels, maps, scene: device_scene, atlas, push, features, statistics })
+        let (gpu, settings) = (gpu.clone(), settings.clone());
+        Ok(Self {
+            gpu,
+            settings,
+            commands,
+            constants,
+            texels,
+            maps,
+            scene: device_scene,
+            atlas,
+            push,
+            features,
+            statistics,
+        })
     }
 }
 

@@ -24,11 +24,11 @@ pub(crate) struct Maps {
     /// Irradiance from analytic lights.
     pub(crate) direct: Arc<Image>,
     /// Mean gathered irradiance of the even quanta, and its samples. Dynamic: the running average.
-    pub(crate) mean_even: Image,
+    pub(crate) mean_even: Arc<Image>,
     /// The same of the odd quanta. Dynamic: what the last visit gathered.
     pub(crate) mean_odd: Arc<Image>,
     /// Outgoing radiance: what hits read. Dynamic: two, one read while the other is written.
-    pub(crate) source: Vec<Image>,
+    pub(crate) source: Vec<Arc<Image>>,
     /// Pyramid over the light map that rays are aimed by, and over the sky map.
     pub(crate) importance: Arc<Image>,
     pub(crate) sky_importance: Arc<Image>,
@@ -46,7 +46,7 @@ pub(crate) struct Maps {
     pub(crate) evidence: Arc<Image>,
     pub(crate) sky_evidence: Arc<Image>,
     /// Irradiance and coverage. Dynamic: as many as the engine may still read while another is written.
-    pub(crate) light_map: Vec<Image>,
+    pub(crate) light_map: Vec<Arc<Image>>,
 }
 
 /// One that the engine reads, one that frames under way may still read, one that is written.
@@ -94,7 +94,7 @@ fn plans(size: [u32; 2], sky: [u32; 2], features: Features) -> [Plan; 14] {
 }
 
 impl Maps {
-    /// `sky`: size of the sky map, where there is one.
+    /// `sky`: size of the sky map, where there is one. `kept`: the light that these maps hold is taken over.
     pub(crate) fn new(
         gpu: &Gpu,
         commands: &mut Commands,
@@ -102,6 +102,7 @@ impl Maps {
         sky: [u32; 2],
         features: Features,
         nothing: &Nothing,
+        kept: Option<&Self>,
     ) -> Result<Self> {
         let plans = plans(size, sky, features);
         let usage = vk::ImageUsageFlags::STORAGE
@@ -113,7 +114,14 @@ impl Maps {
             let (name, format, size, _) = plans[index];
             Image::new(gpu, ImageDesc { name, size, format, usage, mip_levels: 1 })
         };
-        let several = |index: usize| (0..plans[index].3).map(|_| image(index, usage)).collect::<Result<Vec<_>>>();
+        let several = |index: usize, kept: Option<&Vec<Arc<Image>>>| match kept {
+            Some(kept) => Ok(kept.clone()),
+            None => (0..plans[index].3).map(|_| image(index, usage).map(Arc::new)).collect::<Result<Vec<_>>>(),
+        };
+        let one = |index: usize, kept: Option<&Arc<Image>>| match kept {
+            Some(kept) => Ok(kept.clone()),
+            None => image(index, usage).map(Arc::new),
+        };
         let optional = |index: usize, usage| match plans[index] {
             (_, format, _, 0) => Ok(nothing.image(format)),
             _ => image(index, usage).map(Arc::new),
@@ -125,9 +133,9 @@ impl Maps {
             emission: optional(2, attachment)?,
             footprint: image(3, usage)?,
             direct: optional(4, usage)?,
-            mean_even: image(5, usage)?,
-            mean_odd: optional(6, usage)?,
-            source: several(7)?,
+            mean_even: one(5, kept.map(|kept| &kept.mean_even))?,
+            mean_odd: kept.map_or_else(|| optional(6, usage), |kept| Ok(kept.mean_odd.clone()))?,
+            source: several(7, kept.map(|kept| &kept.source))?,
             importance: optional(8, usage)?,
             sky_importance: optional(9, usage)?,
             pieces: nothing.image(PIECES),
@@ -137,22 +145,22 @@ impl Maps {
             aimed_luminance: optional(10, usage)?,
             evidence: optional(11, usage)?,
             sky_evidence: optional(12, usage)?,
-            light_map: several(13)?,
+            light_map: several(13, kept.map(|kept| &kept.light_map))?,
         };
         commands.run(|recorder| {
-            recorder.initialise(&maps.all());
+            recorder.initialise(&maps.own());
             Ok(())
         })?;
         Ok(maps)
     }
 
-    /// What is not [`Nothing`], which is in its layout already.
-    fn all(&self) -> Vec<&Image> {
-        let single = [&self.surface, &self.footprint, &self.mean_even];
-        let optional = [
+    /// What nobody else has: [`Nothing`], and what was taken over, is in its layout already.
+    fn own(&self) -> Vec<&Image> {
+        let shared = [
             &self.albedo,
             &self.emission,
             &self.direct,
+            &self.mean_even,
             &self.mean_odd,
             &self.importance,
             &self.sky_importance,
@@ -160,8 +168,9 @@ impl Maps {
             &self.evidence,
             &self.sky_evidence,
         ];
-        let own = optional.into_iter().filter(|image| Arc::strong_count(image) == 1).map(|image| &**image);
-        single.into_iter().chain(own).chain(&self.source).chain(&self.light_map).collect()
+        let shared = shared.into_iter().chain(&self.source).chain(&self.light_map);
+        let own = shared.filter(|image| Arc::strong_count(image) == 1).map(|image| &**image);
+        own.chain([&self.surface, &self.footprint]).collect()
     }
 
     /// Bytes that the images take, by name.

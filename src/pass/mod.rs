@@ -107,6 +107,11 @@ impl TexelList {
         Ok(Self { buffer: commands.upload(desc, &texels)?, count, given_up, fields, sums })
     }
 
+    /// Whether the same number of texels lie in the same work groups.
+    pub(crate) fn is_like(&self, other: &Self) -> bool {
+        (self.count, self.given_up, &self.fields) == (other.count, other.given_up, &other.fields)
+    }
+
     /// The texels that are given up, as a range of the list.
     pub(crate) fn rest(&self) -> Range<u32> {
         self.count..self.count + self.given_up

@@ -8,6 +8,7 @@ mod engine;
 mod frames;
 mod live;
 mod moving;
+mod needs;
 mod step;
 mod still;
 

@@ -46,6 +46,11 @@ impl Flight {
         (self.latest, self.rows.iter().position(|row| row.frame.is_none()))
     }
 
+    /// The first frame that was not reported complete yet.
+    pub(super) fn under_way(&self) -> Option<FrameId> {
+        self.rows.iter().filter_map(|row| row.frame).min()
+    }
+
     pub(super) fn row(&mut self, row: usize) -> &mut Row {
         &mut self.rows[row]
     }

@@ -5,6 +5,7 @@ mod aiming;
 mod flight;
 mod passes;
 mod published;
+mod renewal;
 mod report;
 mod settings;
 mod settling;

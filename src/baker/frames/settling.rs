@@ -28,6 +28,11 @@ impl Settling {
         Self { horizon_s: average.age_of(LEFT), sweeps, changed_at_s: 0.0, changed_at_sweep: 0, changes: 0 }
     }
 
+    /// For other albedos and latencies, with what has been.
+    pub(super) fn after(self, before: &Self) -> Self {
+        Self { horizon_s: self.horizon_s, sweeps: self.sweeps, ..before.clone() }
+    }
+
     /// Something has changed.
     pub(super) fn changed(&mut self, now_s: f64, sweep: u64) {
         (self.changed_at_s, self.changed_at_sweep) = (now_s, sweep);

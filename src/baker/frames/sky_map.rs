@@ -25,6 +25,11 @@ impl SkyUpload {
         Ok(Self { size, pixels, staging: Buffer::new(gpu, desc)?, read_by: FrameId::default() })
     }
 
+    /// `[pixel]`, as they are or will be with the next frame.
+    pub(super) fn pixels(&self) -> &[[f32; 4]] {
+        &self.pixels
+    }
+
     /// The sky has been checked. Returns whether it is another one than before.
     pub(super) fn set(&mut self, sky: Sky) -> Result<bool> {
         let [width, height] = self.size;

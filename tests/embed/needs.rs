@@ -1,0 +1,173 @@
+//! A running baker whose scene comes to need what was left out.
+
+use crate::live::Live;
+use crate::stage::{Chart, Facing, Quad, SIDE, Stage, level_square};
+use glam::{DAffine3, DVec3};
+use lightoven::baker::{BakeSettings, Baker, FrameSettings, LightMap, Sampling};
+use lightoven::gpu::BackendChoice;
+use lightoven::scene::{LightKind, Mobility, Resolution, Scene, Texture, TextureUse, Wrap};
+use lightoven::{ErrorKind, Features};
+
+/// What the scene comes to have.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum With {
+    Nothing,
+    Light,
+    MovingSquare,
+    TexturedLamp,
+}
+
+/// A grey floor under a lamp, and a square above its edge.
+fn scene(with: With) -> Scene {
+    let mut stage = Stage::new();
+    let (grey, lamp) = (stage.material(0.5, 0.0), stage.material(0.0, 5.0));
+    let light = level_square(0.5, 1.0, Facing::Down, Chart::new(0), lamp);
+    stage.place(&[level_square(1.0, 0.0, Facing::Up, Chart::large(0), grey), light], DAffine3::IDENTITY);
+    let square = Quad { chart: Some(Chart::new(1)), ..level_square(0.2, 0.0, Facing::Up, Chart::new(1), grey) };
+    stage.place(&[square], at(0.6));
+    match with {
+        With::Nothing => {}
+        With::Light => stage.light(LightKind::Point { position: DVec3::new(0.3, 0.3, 0.8), range: None }),
+        With::MovingSquare => stage.desc.instances[1].mobility = Mobility::Movable,
+        With::TexturedLamp => {
+            let pixels = vec![[255, 0, 0, 255]; 4];
+            stage.desc.textures.push(Texture { name: "red".into(), width: 2, height: 2, pixels });
+            let red = TextureUse { texture: 0, wrap: [Wrap::Repeat; 2] };
+            stage.desc.materials[lamp].emission_texture = Some(red);
+        }
+    }
+    stage.build()
+}
+
+fn at(x: f64) -> DAffine3 {
+    DAffine3::from_translation(DVec3::new(x, 0.0, 0.5))
+}
+
+fn live(backend: BackendChoice, with: With) -> Option<Live> {
+    let frames = FrameSettings { quanta: Some(1), ..FrameSettings::default() };
+    let mut live = Live::sampled(backend, &scene(with), frames, Sampling::Cosine)?;
+    live.warm_up();
+    live.frames(80, 0.1);
+    Some(live)
+}
+
+fn floor() -> Vec<usize> {
+    Chart::large(0).texels().map(|(texel, _)| texel).collect()
+}
+
+fn bits(map: &LightMap) -> Vec<[u32; 4]> {
+    map.pixels.iter().map(|pixel| pixel.map(f32::to_bits)).collect()
+}
+
+/// Texels are lit at once, and as they were; then the new light comes, as it is in a baker that was made with it.
+fn comes_to_need(backend: BackendChoice, with: With, feature: Features) {
+    let Some(mut live) = live(backend, With::Nothing) else { return };
+    assert!(!live.baker.features().contains(feature));
+    let (before, shown) = (live.baker.read_back().unwrap(), live.baker.light_map());
+    live.baker.set_scene(&scene(with)).unwrap();
+    assert!(live.baker.features().contains(feature));
+    assert_eq!(live.baker.light_map(), shown, "the engine's light map is another");
+    let after = live.baker.read_back().unwrap();
+    for texel in floor() {
+        let [one, other] = [&before, &after].map(|map| map.pixels[texel][0]);
+        assert!((one / other - 1.0).abs() < 0.5 && other > 0.0, "texel {texel} was {one} and is {other}");
+    }
+    // The first frames find out what things cost; nothing is black meanwhile.
+    for _ in 0..20 {
+        live.frame(0.0, crate::live::AMPLE);
+        assert!(live.irradiance(&floor()).iter().all(|light| *light > 0.0), "a texel is black");
+    }
+    live.frames(80, 0.1);
+    let reached = live.mean(&floor());
+    let Some(mut made_so) = self::live(backend, with) else { return };
+    let wanted = made_so.mean(&floor());
+    assert!((reached / wanted - 1.0).abs() < 0.02, "{with:?}: {reached} is reached, {wanted} wanted");
+    made_so.finish();
+    live.finish();
+}
+
+fn a_first_light(backend: BackendChoice) {
+    comes_to_need(backend, With::Light, Features::LIGHTS);
+}
+
+fn a_first_texture(backend: BackendChoice) {
+    comes_to_need(backend, With::TexturedLamp, Features::TEXTURES);
+}
+
+/// It may be moved from then on, and shades the floor.
+fn a_first_moving_object(backend: BackendChoice) {
+    let Some(mut live) = live(backend, With::Nothing) else { return };
+    let refused = live.baker.set_transform(1, at(0.0)).unwrap_err();
+    assert!(refused.to_string().contains("declared static"), "{refused}");
+    live.baker.set_scene(&scene(With::MovingSquare)).unwrap();
+    let before = live.mean(&floor());
+    live.baker.set_transform(1, at(0.0)).unwrap();
+    live.frames(60, 0.1);
+    assert!(live.mean(&floor()) < 0.95 * before, "the square casts no shadow");
+    live.finish();
+}
+
+/// The same scene again: frames go on as if nothing had been.
+fn nothing_changes(backend: BackendChoice) {
+    let run = |renews: bool| {
+        let mut live = live(backend, With::Nothing)?;
+        let sweeps = live.baker.light_map().sweeps;
+        if renews {
+            let before = live.baker.read_back().unwrap();
+            live.baker.set_scene(&scene(With::Nothing)).unwrap();
+            assert_eq!(bits(&live.baker.read_back().unwrap()), bits(&before));
+        }
+        while live.baker.light_map().sweeps < sweeps + 8 {
+            live.frame(0.0, crate::live::AMPLE);
+        }
+        let (map, reached) = (live.baker.read_back().unwrap(), live.baker.light_map().sweeps);
+        live.finish();
+        Some((map, reached))
+    };
+    let (Some((through, reached)), Some((renewed, as_far))) = (run(false), run(true)) else { return };
+    assert_eq!(reached, as_far);
+    let differ = bits(&through).iter().zip(bits(&renewed)).filter(|(one, other)| *one != other).count();
+    assert_eq!(differ, 0, "texels differ");
+}
+
+/// And everything is as it was.
+fn what_does_not_fit_is_refused(backend: BackendChoice) {
+    let Some(mut live) = live(backend, With::Nothing) else { return };
+    let before = live.baker.read_back().unwrap();
+    let mut other = Stage::new();
+    other.material(0.5, 1.0);
+    let other = other.with(&[level_square(1.0, 0.0, Facing::Up, Chart::large(3), 0)]);
+    let error = live.baker.set_scene(&other).unwrap_err();
+    assert!(error.kind() == ErrorKind::InvalidScene && error.to_string().contains("another layout"), "{error}");
+    assert_eq!(bits(&live.baker.read_back().unwrap()), bits(&before));
+    live.frames(5, 0.1);
+    let settings = BakeSettings { resolution: Resolution::Texels(SIDE), ..BakeSettings::default() };
+    let mut still = Baker::new(live.engine.gpu(), &scene(With::Nothing), &settings).unwrap();
+    let error = still.set_scene(&scene(With::Light)).unwrap_err();
+    assert!(error.kind() == ErrorKind::InvalidSettings && error.to_string().contains("Mode::Frames"), "{error}");
+    drop(still);
+    live.finish();
+}
+
+macro_rules! on_both_back_ends {
+    ($($test:ident),+ $(,)?) => {$(
+        mod $test {
+            #[test]
+            fn software() {
+                super::$test(super::BackendChoice::Software);
+            }
+
+            #[test]
+            fn ray_query() {
+                super::$test(super::BackendChoice::RayQuery);
+            }
+        }
+    )+};
+}
+on_both_back_ends!(
+    a_first_light,
+    a_first_texture,
+    a_first_moving_object,
+    nothing_changes,
+    what_does_not_fit_is_refused,
+);
