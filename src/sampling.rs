@@ -91,7 +91,8 @@ pub struct SamplingStatistics {
     /// How even what shines is: 1 where all surfaces have one radiance, toward 0 the smaller the part is that shines.
     /// `None` where nobody asked.
     pub evenness: Option<f32>,
-    /// What all surfaces shine, lately: luminance times area, over the texels of the light map. `None` where nobody asked.
+    /// What all surfaces shine, lately: luminance times world area in square scene units, over the texels of the light map.
+    /// `None` where nobody asked.
     pub power: Option<f64>,
     /// Texels whose radiance is negative, infinite or no number, lately: no ray is aimed at them.
     pub invalid_texels: u64,

@@ -14,7 +14,7 @@ fn main() -> ExitCode {
     let back_ends = [("software", BackendChoice::Software), ("ray_query", BackendChoice::RayQuery)];
     let lacks_ray_query = lacks(BackendChoice::RayQuery);
     if let Some(error) = &lacks_ray_query {
-        println!("the ray_query half is ignored: {error}");
+        eprintln!("the ray_query half is ignored: {error}");
     }
     let trial = |(case, (name, backend)): (&'static Case, (&str, BackendChoice))| {
         let is_ignored = backend == BackendChoice::RayQuery && lacks_ray_query.is_some();

@@ -1,17 +1,18 @@
 //! Looks at the light map on the way, for a device that is lost takes its memory along.
 
 use super::{Baker, LightMap, Outcome, Progress, Running, Statistics, Stop};
-use crate::error::Result;
+use crate::error::{ErrorKind, Result};
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
-/// A look costs at most one part in so many of the time in between.
+/// A look takes at most one part in so many of the time in between, but for the first.
 const LOOK_SHARE: u32 = 20;
 
 impl Baker {
-    /// [`Baker::bake`] that hands out the light map, and what is known of it, about once in `every`; less often where it takes
-    /// more than a twentieth of that to read it back. It costs a host copy of the light map, and keeps what was baked from
-    /// a device that is lost. `stop.time` does not count the looks.
+    /// [`Baker::bake`] that hands out the light map, and what is known of it, about once in `every`: at the end of a slice,
+    /// once all texels have samples, and less often where reading it back takes more than a twentieth of that time. It costs
+    /// a host copy of the light map, and keeps what was baked from a device that is lost. `stop.time` is what all calls take
+    /// together, as with [`Baker::bake_until`], without the looks. A look for which there is no memory is left out.
     ///
     /// # Errors
     /// As [`Baker::bake`].
@@ -37,7 +38,11 @@ impl Baker {
                 return Ok(outcome);
             }
             let looking = Instant::now();
-            keep(self.read_back()?, self.statistics());
+            match self.read_back() {
+                Ok(light_map) => keep(light_map, self.statistics()),
+                Err(error) if error.kind() == ErrorKind::OutOfMemory => {}
+                Err(error) => return Err(error),
+            }
             wait = every.max(looking.elapsed() * LOOK_SHARE);
         }
     }

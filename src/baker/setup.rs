@@ -35,7 +35,8 @@ impl Baker {
     /// [`Mode::Still`] nothing of this is done where the light map can only be black; a warning says why.
     ///
     /// # Errors
-    /// `InvalidSettings` for a setting outside its range; `InvalidScene` with [`Mode::Frames`] where there is nothing to bake; `OutOfMemory`,
+    /// `InvalidSettings` for a setting outside its range; `InvalidScene` where the scene is smaller than 1e-12 units, and
+    /// with [`Mode::Frames`] where there is nothing to bake; `OutOfMemory`,
     /// saying what was asked for; `DeviceLost` or `Driver` from the device.
     pub fn new(gpu: &Gpu, scene: &Scene, settings: &BakeSettings) -> Result<Self> {
         check(gpu, settings)?;
@@ -96,7 +97,8 @@ fn warn_of_what_is_missed(scene: &Scene, features: Features, statistics: &mut St
     }
 }
 
-/// Areas of texels of a scene smaller than this are no 32-bit numbers: it would bake black.
+/// Units. A scene of 1e-16 baked black: areas of its texels, and what is made of them, are no 32-bit numbers. This leaves
+/// room for fine light maps.
 const LEAST_REACH: f64 = 1e-12;
 
 pub(super) fn check_size(scene: &Scene) -> Result<()> {
@@ -105,7 +107,9 @@ pub(super) fn check_size(scene: &Scene) -> Result<()> {
         return Ok(());
     }
     let name = scene.name();
-    Err(Error::scene(format!("scene '{name}' reaches {reach:e} from its middle; allowed is at least {LEAST_REACH:e}")))
+    Err(Error::scene(format!(
+        "scene '{name}' reaches {reach:e} units from its middle; allowed is at least {LEAST_REACH:e}"
+    )))
 }
 
 /// From the scene's middle along any axis; 0 of an empty scene.

@@ -86,7 +86,7 @@ impl Case {
         Self { name, subject: Subject::Conduct, run }
     }
 
-    /// Runs it: seconds, which nothing ends before. Of an engine's device nobody else uses the queues meanwhile.
+    /// Runs it, which takes seconds and cannot be cancelled. Nobody else uses the queues of an engine's device meanwhile.
     pub fn run(&self, gpu: &Gpu) -> Verdict {
         let started = Instant::now();
         let mut checks = Checks::default();

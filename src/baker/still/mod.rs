@@ -39,6 +39,8 @@ struct State {
     /// When the error is estimated next, in kept quanta.
     next_estimate: u32,
     mean_luminance: f64,
+    /// As it was estimated last when that was due: a look on the way decides nothing.
+    error: Option<f32>,
     /// Every texel has samples of some epoch.
     covered: bool,
     /// The epoch's last quantum, which tells how well rays were aimed.
@@ -86,6 +88,7 @@ impl Still {
             Some(state) => state,
             None => self.start(core)?,
         };
+        core.statistics.estimated_error = state.error;
         if state.adapting.as_mut().is_some_and(|adapting| adapting.aim_for(stop.error)) {
             // At the end of the pass that is under way, for texels have quanta by whole passes.
             state.next_estimate = state.next_estimate.min(state.kept + 1);
@@ -137,6 +140,7 @@ impl Still {
             kept: 0,
             next_estimate: 2,
             mean_luminance: 0.0,
+            error: None,
             covered: false,
             evidence_quantum: 0,
         };
@@ -189,7 +193,7 @@ impl Still {
                 if kept >= state.next_estimate {
                     let sums = self.resolve(core, state, state.mean_luminance)?;
                     // Whoever looks in between changes nothing of what is decided.
-                    state.mean_luminance = sums.mean;
+                    (state.mean_luminance, state.error) = (sums.mean, core.statistics.estimated_error);
                     if let Some(adapting) = &mut state.adapting {
                         adapting.decide(core, &sums)?;
                     }

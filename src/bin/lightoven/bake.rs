@@ -16,7 +16,7 @@ use std::fmt::Write as _;
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
-/// How often the light map is read back, so that a device that is lost takes no more than this along.
+/// About how often the light map is read back, so that a device that is lost does not take all of it along.
 const KEPT_EVERY: Duration = Duration::from_secs(10);
 
 /// Bakes; `start` is when the command began.
@@ -63,7 +63,10 @@ pub(crate) fn run(arguments: &Bake, start: Instant) -> Result<Ending> {
     let (outcome, light_map) = match (finished, kept) {
         (Ok(finished), _) => finished,
         (Err(error), Some((light_map, samples))) if error.kind() == ErrorKind::DeviceLost => {
-            write_kept(arguments, &light_map, &metadata(samples))?;
+            // What cannot be written is said, and the device's error is that of the command.
+            if let Err(error) = write_kept(arguments, &light_map, &metadata(samples)) {
+                messages::error(&error);
+            }
             return Err(error);
         }
         (Err(error), _) => return Err(error),

@@ -135,22 +135,24 @@ fn kept_from_a_lost_device(gpu: &Gpu, checks: &mut Checks) -> Result<()> {
     // At the end of each slice then all texels have as many samples.
     let whole = Slice::Texels(u32::MAX);
     let mut baker = baker_of(&lost, &scene, whole)?;
-    let mut kept = Vec::new();
+    let (mut kept, mut is_told) = (Vec::new(), false);
     let outcome = baker.bake_keeping(
         &to_samples(1 << 20),
         Duration::ZERO,
         &mut |_| ControlFlow::Continue(()),
         &mut |map, statistics| {
             kept.push((map, statistics.samples_per_texel));
-            if kept.len() == 12 {
+            // Past the bounces.
+            if statistics.samples_per_texel >= 128.0 && !is_told {
+                is_told = true;
                 lost.lose_after(10);
             }
         },
     );
     checks.holds("the bake ends with DeviceLost", kind(outcome) == Some(ErrorKind::DeviceLost));
-    checks.at_least("light maps that were handed out", kept.len() as f64, 12.0);
+    checks.at_least("light maps that were handed out", kept.len() as f64, 1.0);
     let (map, samples) = kept.pop().ok_or_else(|| broken("no light map was handed out".into()))?;
-    checks.at_least("samples of the last one", samples, 64.0);
+    checks.at_least("samples of the last one", samples, 128.0);
     let mut shorter = baker_of(gpu, &scene, whole)?;
     shorter.bake(&to_samples(samples as u32), &mut |_| ControlFlow::Continue(()))?;
     checks.count("texels that differ from a bake of as many samples", differing(&map, &shorter.read_back()?), 0);
