@@ -10,6 +10,7 @@ mod memory;
 mod needs;
 mod progress;
 mod renewal;
+mod settings;
 mod setup;
 mod still;
 
@@ -21,13 +22,14 @@ pub use gather_bench::{GatherBench, SentRays};
 pub use memory::{MemoryEstimate, estimate_memory};
 use progress::Stretch;
 pub use progress::{Outcome, Phase, Progress, Seconds, Statistics, Stop};
+pub use settings::{BakeSettings, ErrorEstimate, Mode};
 
 use crate::error::{Error, Result};
 use crate::features::Features;
 use crate::gpu::layout::Push;
 use crate::gpu::{Commands, Constants, FrameCommands, Gpu, TimelinePoint};
 use crate::pass::{DeviceScene, Maps, TexelList};
-use crate::scene::{Atlas, Light, Resolution, Sky};
+use crate::scene::{Atlas, Light, Sky};
 use ash::vk;
 use dark::Dark;
 use frames::{Frames, Shown};
@@ -35,71 +37,6 @@ use glam::{DAffine3, Vec3};
 use std::ops::ControlFlow;
 use std::time::Duration;
 use still::Still;
-
-/// How to bake.
-#[derive(Debug, Clone, PartialEq)]
-pub struct BakeSettings {
-    /// How large the light map is.
-    pub resolution: Resolution,
-    /// How many times light is reflected.
-    pub bounces: Bounces,
-    /// Which way rays are sent.
-    pub sampling: Sampling,
-    /// Where aimed rays go.
-    pub aimed_by: AimedBy,
-    /// What is told of the error of a static bake. [`Mode::Frames`] tells nothing.
-    pub error: ErrorEstimate,
-    /// Another seed gives other noise.
-    pub seed: u64,
-    /// How long one submission of a static bake may take.
-    pub slice: Slice,
-    /// Whether the scene stays as it is.
-    pub mode: Mode,
-    /// Switched on although the scene does not need it, to measure what leaving it out saves: some of
-    /// [`Features::LEFT_OUT_AT_WILL`], and with [`Mode::Frames`] nothing. Default: none.
-    pub unneeded: Features,
-}
-
-/// What is told of the error of a static bake.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub enum ErrorEstimate {
-    /// Nothing: samples are not kept in halves, and a bake cannot end by its error.
-    None,
-    /// Its estimate, from the difference of two halves. All texels take the same rays. The default.
-    #[default]
-    Told,
-    /// The same, and where the bake has an error to reach ([`Stop::error`]), texels that have converged stop taking rays:
-    /// they then have fewer than [`Stop::samples`].
-    Adaptive,
-}
-
-/// Whether the scene stays as it is.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub enum Mode {
-    /// It stays: [`Baker::bake`] goes on until the light map is good enough. The default.
-    #[default]
-    Still,
-    /// It changes: [`Baker::record`] or [`Baker::submit`] work within an engine's frames, on an engine's device
-    /// ([`Gpu::from_raw`]). Light is reflected without limit: bounces other than [`Bounces::Auto`] are refused.
-    Frames(FrameSettings),
-}
-
-impl Default for BakeSettings {
-    /// 512 texels a side, all bounces, sampling as it pays, the same rays for every texel, seed 0, slices of 50 ms, a scene that stays as it is.
-    fn default() -> Self {
-        Self {
-            resolution: Resolution::Texels(512),
-            bounces: Bounces::Auto,
-            sampling: Sampling::Auto,
-            aimed_by: AimedBy::default(),
-            error: ErrorEstimate::default(),
-            seed: 0,
-            slice: Slice::default(),
-            mode: Mode::Still,
-            unneeded: Features::empty(),
-        }
-    }
-}
 
 /// A baked light map.
 #[derive(Debug, Clone, PartialEq)]

@@ -2,6 +2,7 @@
 
 use crate::epochs::Epoch;
 use crate::error::{Error, Result};
+use crate::features::Features;
 use crate::sampling::SamplingStatistics;
 use std::time::{Duration, Instant};
 
@@ -160,6 +161,17 @@ pub struct Statistics {
 impl Stop {
     /// Largest number of samples a texel: beyond it their number is no longer exact in the f32 that counts them.
     pub const MAX_SAMPLES: u32 = 1 << 30;
+
+    /// [`Stop::check`], and that the error is known where the bake is to end by it.
+    pub(super) fn check_for(&self, features: Features) -> Result<()> {
+        self.check()?;
+        if self.error.is_none() || features.contains(Features::HALVES) {
+            return Ok(());
+        }
+        Err(Error::settings(
+            "the bake is to end by its error, and its ErrorEstimate is None; allowed are Told and Adaptive",
+        ))
+    }
 
     pub(super) fn check(&self) -> Result<()> {
         if let Some(samples) = self.samples.filter(|samples| !(1..=Self::MAX_SAMPLES).contains(samples)) {

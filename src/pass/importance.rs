@@ -91,8 +91,8 @@ impl Importance {
         };
         let first = resources(&maps.source[0], &maps.importance);
         let pipeline = ComputePipeline::new(context.gpu, &IMPORTANCE, context.constants, &first)?;
-        let set = |source| pipeline.bind(&resources(source, &maps.importance));
-        let sets = maps.source.iter().map(set).collect::<Result<Vec<_>>>()?;
+        let set = |index: usize| pipeline.bind(&resources(&maps.source[index], &maps.importance));
+        let sets = (0..maps.source.len()).map(set).collect::<Result<Vec<_>>>()?;
         let sky_set = pipeline.bind(&resources(&maps.source[0], &maps.sky_importance))?;
         let has_sky = Features::from_bits_retain(context.constants.features).contains(Features::SKY_MAP);
         let sky = has_sky.then(|| Pyramid::over(context.scene.sky_size()));

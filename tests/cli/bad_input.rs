@@ -1,6 +1,6 @@
 //! Bad scenes and machines: exit code 1, a message that names the thing, and no output.
 
-use crate::support::{Folder, Quad, assert_fails, asset, bake, json, run, tool};
+use crate::support::{Folder, Quad, assert_fails, assert_says, asset, bake, json, run, tool};
 
 const FEW: [&str; 4] = ["--samples", "16", "--resolution", "16"];
 
@@ -45,8 +45,6 @@ fn bad_geometry_is_named() {
     assert_fails(&folder, &quad.write(&folder), &FEW, 1, &["quad", "index 9", "out of range"]);
     let quad = Quad { uvs: Some([[0.0, 0.0], [0.0, 1.5], [1.0, 1.0], [1.0, 0.0]]), ..Quad::default() };
     assert_fails(&folder, &quad.write(&folder), &FEW, 1, &["quad", "vertex 1", "allowed is [0, 1]"]);
-    let quad = Quad { uvs: None, ..Quad::default() };
-    assert_fails(&folder, &quad.write(&folder), &FEW, 1, &["nothing to bake"]);
 }
 
 #[test]
@@ -124,4 +122,25 @@ fn a_map_that_a_device_cannot_hold_is_refused() {
     let names_a_size = ["bytes", "MiB", "GiB"].iter().any(|unit| found.stderr.contains(unit));
     assert!(names_a_size, "what was asked for is not said: {found:?}");
     assert_eq!(folder.names(), before);
+}
+
+/// An empty light map, or a black one, and a warning that says why.
+#[test]
+fn what_can_only_be_black_is_baked_at_once() {
+    let folder = Folder::new();
+    let unmapped = Quad { uvs: None, ..Quad::default() }.write(&folder);
+    bakes_black(&folder, &unmapped, "nothing to bake in");
+    let shining = std::fs::read_to_string(Quad::default().write(&folder)).expect("was written");
+    let dark = folder.write("dark.gltf", shining.replace("[1.0,1.0,1.0]", "[0,0,0]"));
+    bakes_black(&folder, &dark, "nothing shines in");
+}
+
+fn bakes_black(folder: &Folder, scene: &str, says: &str) {
+    let (report, output) = (folder.text("r.json"), folder.text("o.exr"));
+    let found = run(["bake", scene, "-o", &output, "--resolution", "32", "--report", &report]);
+    assert_eq!(found.code, Some(0), "{found:?}");
+    assert_says(&found.stderr, &[says]);
+    let report = json(&folder.path("r.json"));
+    assert_eq!((&report["rays"], &report["estimated_error"]), (&0.into(), &0.0.into()));
+    assert!(folder.path("o.exr").exists());
 }

@@ -7,7 +7,7 @@ use super::aiming::{Aiming, Occasion};
 use super::progress::{Clock, Outcome, Progress, Stop, Stretch};
 use super::{BakeSettings, Core, LightMap};
 use crate::epochs::{Bounces, Epoch, Epochs, Stage};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::features::Features;
 use crate::gpu::layout::Push;
 use crate::pass::{ResolveSums, SourceSums};
@@ -76,12 +76,7 @@ impl Still {
         stretch: Stretch,
         progress: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
     ) -> Result<Outcome> {
-        stop.check()?;
-        if stop.error.is_some() && !core.features.contains(Features::HALVES) {
-            return Err(Error::settings(
-                "the bake is to end by its error, and its ErrorEstimate is None; allowed are Told and Adaptive",
-            ));
-        }
+        stop.check_for(core.features)?;
         let before = if stretch == Stretch::Part { self.baked } else { Duration::ZERO };
         let clock = Clock::starting_at(before);
         let mut state = match self.state.take() {
