@@ -125,22 +125,22 @@ fn old_light_leaves_a_tile_that_is_visited_unevenly() {
     live.finish();
 }
 
-/// A budget with which a sweep takes some frames, 2 to 6, whatever else the machine does: the cost model is held, and
-/// budgets are tried.
+/// A budget with which a sweep takes some frames, 2.5 to 5, whatever else the machine does: the cost model is held, and
+/// budgets are tried, each after frames in which what the one before owes is paid back.
 fn budget_of_turns(live: &mut Live) -> Duration {
     live.warm_up();
     live.baker.set_learning(Learning::Held).unwrap();
     let mut budget = live.frame(0.0, AMPLE).one_unit * 4;
     for _ in 0..60 {
-        let before = live.frame(0.0, budget).sweeps;
-        let after = (0..30).map(|_| live.frame(0.0, budget).sweeps).last().unwrap();
-        match after - before {
-            0..5 => budget = budget.mul_f64(1.3),
-            5..=15 => return budget,
+        let mut sweeps_after = |frames| (0..frames).map(|_| live.frame(0.0, budget).sweeps).last().unwrap();
+        let before = sweeps_after(60);
+        match sweeps_after(60) - before {
+            0..12 => budget = budget.mul_f64(1.3),
+            12..=24 => return budget,
             _ => budget = budget.mul_f64(0.8),
         }
     }
-    panic!("no budget gives a sweep in 2 to 6 frames");
+    panic!("no budget gives a sweep in 2.5 to 5 frames");
 }
 
 /// A budget for a part of the map: tiles take turns. A tile is dark no sooner than it is visited, so that a turn is
