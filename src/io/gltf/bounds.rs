@@ -14,7 +14,7 @@ pub(super) struct Buffers {
 
 impl Buffers {
     /// Reads all buffers, in the document's order; `binary` is a `.glb`'s own.
-    pub(super) fn load(document: &Document, binary: Option<Vec<u8>>, folder: &Path) -> Result<Self> {
+    pub(super) fn load(document: &Document, binary: Option<Vec<u8>>, folder: Option<&Path>) -> Result<Self> {
         let mut binary = binary;
         let mut data = Vec::with_capacity(document.buffers().len());
         for buffer in document.buffers() {

@@ -17,7 +17,11 @@ pub(super) struct Container {
 
 /// Reads a file and takes its container apart.
 pub(super) fn open(path: &Path) -> Result<Container> {
-    let bytes = read_file(path, || "the scene".into())?;
+    take_apart(path, read_file(path, || "the scene".into())?)
+}
+
+/// Takes a file's container apart.
+pub(super) fn take_apart(path: &Path, bytes: Vec<u8>) -> Result<Container> {
     if !bytes.starts_with(MAGIC) {
         return Ok(Container { json: bytes, binary: None });
     }

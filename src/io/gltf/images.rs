@@ -73,7 +73,7 @@ fn check_size((width, height): (u32, u32), bytes: usize, pixels: &mut u64) -> Re
 pub(super) struct Views<'a> {
     pub(super) views: Vec<gltf::buffer::View<'a>>,
     pub(super) buffers: &'a Buffers,
-    pub(super) folder: &'a Path,
+    pub(super) folder: Option<&'a Path>,
 }
 
 /// The crate's own accessor panics where an image has neither a view with a media type nor a URI.

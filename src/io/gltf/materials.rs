@@ -127,7 +127,7 @@ impl Materials {
         self,
         document: &Document,
         buffers: &Buffers,
-        folder: &Path,
+        folder: Option<&Path>,
     ) -> Result<(Vec<Material>, Vec<Texture>)> {
         let views = Views { views: document.views().collect(), buffers, folder };
         let sources: Vec<gltf::Image<'_>> = document.images().collect();

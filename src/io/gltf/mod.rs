@@ -60,7 +60,20 @@ pub struct ReadSettings {
 ///   JPEG, a URI scheme that is neither relative nor `data:`.
 /// - `InvalidScene`: the file is no glTF or contradicts itself, or [`Scene::new`] rejects what it describes.
 pub fn read(path: &Path, settings: &ReadSettings) -> Result<Scene> {
-    let (desc, warnings) = read_desc(path, settings)?;
+    checked(read_desc(path, settings)?)
+}
+
+/// Reads a `.gltf` or `.glb` file that is in memory. `name`: that of the scene, and of the file in messages; what the file
+/// refers to is read from `folder`, and without one it refers to nothing outside itself.
+///
+/// # Errors
+/// As [`read`]; `InvalidScene` too for a file that refers to others, without a folder.
+pub fn read_bytes(name: &str, bytes: Vec<u8>, folder: Option<&Path>, settings: &ReadSettings) -> Result<Scene> {
+    let path = Path::new(name);
+    checked(describe(path, container::take_apart(path, bytes)?, folder, settings)?)
+}
+
+fn checked((desc, warnings): (SceneDesc, Vec<String>)) -> Result<Scene> {
     let mut scene = Scene::new(desc)?;
     warnings.into_iter().for_each(|warning| scene.warn(warning));
     Ok(scene)
@@ -72,9 +85,16 @@ pub fn read(path: &Path, settings: &ReadSettings) -> Result<Scene> {
 /// # Errors
 /// As [`read`], but for what [`Scene::new`] rejects.
 pub fn read_desc(path: &Path, settings: &ReadSettings) -> Result<(SceneDesc, Vec<String>)> {
-    let container = container::open(path)?;
+    describe(path, container::open(path)?, path.parent().or(Some(Path::new(""))), settings)
+}
+
+fn describe(
+    path: &Path,
+    container: container::Container,
+    folder: Option<&Path>,
+    settings: &ReadSettings,
+) -> Result<(SceneDesc, Vec<String>)> {
     let document = document::parse(path, &container.json)?;
-    let folder = path.parent().unwrap_or(Path::new(""));
     let buffers = Buffers::load(&document, container.binary, folder)?;
 
     let mut materials = Materials::new(settings.sidedness);

@@ -17,8 +17,8 @@ pub(super) fn read_file(path: &Path, what: impl Fn() -> String) -> Result<Vec<u8
     std::fs::read(path).map_err(|error| Error::io(context(), error))
 }
 
-/// Reads what a URI refers to: a `data:` URI's own bytes, or a file relative to `folder`.
-pub(super) fn read_uri(uri: &str, folder: &Path, what: impl Fn() -> String) -> Result<Vec<u8>> {
+/// Reads what a URI refers to: a `data:` URI's own bytes, or a file relative to `folder`; without a folder no file.
+pub(super) fn read_uri(uri: &str, folder: Option<&Path>, what: impl Fn() -> String) -> Result<Vec<u8>> {
     if uri.starts_with("data:") {
         let data = Data::from_source(Source::Uri(uri), None);
         let fail = |error| Error::scene(format!("{}: its data URI is not base64", what())).with_source(error);
@@ -39,6 +39,12 @@ pub(super) fn read_uri(uri: &str, folder: &Path, what: impl Fn() -> String) -> R
     if Path::new(&relative).has_root() {
         return Err(Error::scene(format!("{}: its URI '{uri}' is absolute; allowed are relative paths", what())));
     }
+    let Some(folder) = folder else {
+        return Err(Error::scene(format!(
+            "{}: its URI '{uri}' names a file; allowed in a file in memory, of no folder, are 'data' URIs",
+            what()
+        )));
+    };
     read_file(&folder.join(relative), what)
 }
 
