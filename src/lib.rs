@@ -32,6 +32,8 @@
 mod adaptive;
 pub mod baker;
 pub mod bvh;
+#[cfg(feature = "capi")]
+pub mod capi;
 mod clusters;
 mod epochs;
 mod error;

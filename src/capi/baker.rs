@@ -1,0 +1,300 @@
+//! A baker: made, read, destroyed. `still.rs` bakes at a stretch, `frames.rs` within frames, `changes.rs` tells of changes.
+
+use super::arguments::{check_result, give_text, required_text, structures, write};
+use super::gpu::{LightovenGpu, gpu};
+use super::handles::Registry;
+use super::scene::{LightovenScene, scene};
+use super::settings::{LightovenBakeSettings, bake_settings};
+use super::status::{Failure, LightovenStatus, Outcome, guard};
+use super::vulkan::{VkFormat, VkImage, VkImageLayout, VkImageView};
+use crate::baker::{Baker, LightMap};
+use crate::gpu::{Gpu, TimelinePoint};
+use crate::io::exr::{self, Metadata};
+use crate::io::preview;
+use std::ffi::c_char;
+use std::path::Path;
+use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
+
+/// Bakes the light map of one scene on one device. The null handle has the id 0. One thread at a time: a call while another one
+/// works on the same baker, also from that one's callback, gives IN_USE. Destroy it once every frame that it recorded or
+/// submitted, and every frame that uses one of its light maps, has finished on the device.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(C)]
+pub struct LightovenBaker {
+    /// Not for use.
+    pub id: u64,
+}
+
+/// What a handle stands for.
+pub(super) struct Held {
+    pub(super) baker: Baker,
+    /// Of submissions, kept so that frames allocate nothing.
+    pub(super) points: [Vec<TimelinePoint>; 2],
+    metadata: Metadata,
+    /// Goes last, and keeps its handle from being destroyed.
+    _gpu: Arc<Gpu>,
+}
+
+pub(super) static BAKERS: Registry<Mutex<Held>> = Registry::new("baker");
+
+/// Works on a baker, for this call alone.
+pub(super) fn with<T>(handle: LightovenBaker, work: impl FnOnce(&mut Held) -> Outcome<T>) -> Outcome<T> {
+    let held = BAKERS.get(handle.id)?;
+    let mut guard: MutexGuard<'_, Held> = match held.try_lock() {
+        Ok(guard) => guard,
+        Err(TryLockError::WouldBlock) => {
+            return Err(Failure::in_use(format!("the baker {} is in use by another call", handle.id)));
+        }
+        Err(TryLockError::Poisoned(_)) => {
+            let id = handle.id;
+            return Err(Failure::internal(format!(
+                "the baker {id} broke in an earlier call; it can only be destroyed"
+            )));
+        }
+    };
+    work(&mut guard)
+}
+
+/// Makes a baker. `settings`: NULL for the defaults. `baker`: not NULL, written only where the call succeeds. It waits for the
+/// device.
+///
+/// # Safety
+/// `settings` is NULL or as its members say; `baker` may be written; nobody else uses the device's queues meanwhile.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn lightoven_baker_create(
+    device: LightovenGpu,
+    described: LightovenScene,
+    settings: *const LightovenBakeSettings,
+    baker: *mut LightovenBaker,
+) -> LightovenStatus {
+    guard(|| {
+        check_result(baker, "the baker's place")?;
+        let (gpu, scene) = (gpu(device)?, scene(described)?);
+        // SAFETY: by the caller's word.
+        let settings = unsafe { bake_settings(settings)? };
+        let metadata = Metadata {
+            scene: scene.name().to_owned(),
+            seed: settings.seed,
+            samples: 0.0,
+            device: gpu.info().name.clone(),
+            version: format!("lightoven {}", env!("CARGO_PKG_VERSION")),
+        };
+        let held =
+            Held { baker: Baker::new(&gpu, &scene, &settings)?, points: [Vec::new(), Vec::new()], metadata, _gpu: gpu };
+        // SAFETY: it may be written by the caller's word.
+        unsafe { baker.write(LightovenBaker { id: BAKERS.insert(Mutex::new(held)) }) };
+        Ok(())
+    })
+}
+
+/// Destroys a baker, without waiting. Nothing happens for the null handle.
+///
+/// # Safety
+/// Every frame that it recorded or submitted, and every frame that uses one of its light maps, has finished on the device.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn lightoven_baker_destroy(baker: LightovenBaker) -> LightovenStatus {
+    guard(|| BAKERS.remove(baker.id, "another call"))
+}
+
+/// The newest finished light map on the device. It is not written again before the frame after the one that replaced it has been
+/// reported complete: use it in the next frame that is recorded, and ask again for the one after.
+#[derive(Debug, Clone, Copy)]
+#[repr(C)]
+pub struct LightovenLightMap {
+    /// sizeof(LightovenLightMap)
+    pub struct_size: usize,
+    /// The image.
+    pub image: VkImage,
+    /// A view of all of it; one of three, and the same for the same image.
+    pub view: VkImageView,
+    /// Grows by 1 with every finished map; 0: none is finished yet. Always 0 for a scene that stays as it is.
+    pub generation: u64,
+    /// Sweeps over all texels that it holds. Always 0 for a scene that stays as it is.
+    pub sweeps: u64,
+    /// RGB: irradiance, linear Rec. 709, scene units; A: 1 where the texel lies on a surface, else 0. Gutters are filled.
+    pub format: VkFormat,
+    /// The layout that the image is in, now and always.
+    pub layout: VkImageLayout,
+    /// Columns.
+    pub width: u32,
+    /// Rows; the first is light-map coordinate v = 0.
+    pub height: u32,
+}
+
+/// What a baker has done.
+#[derive(Debug, Clone, Copy)]
+#[repr(C)]
+pub struct LightovenStatistics {
+    /// sizeof(LightovenStatistics)
+    pub struct_size: usize,
+    /// Texels that take rays.
+    pub texels: u64,
+    /// Texels on a surface that are inside something and are filled from their neighbours.
+    pub invalid_texels: u64,
+    /// Rays traced, shadow rays of analytic lights not counted.
+    pub rays: u64,
+    /// Samples of a texel, in the mean.
+    pub samples_per_texel: f64,
+    /// Million rays a second of baking.
+    pub mrays_per_s: f64,
+    /// Root of relMSE as it is estimated; below 0: not known.
+    pub estimated_error: f32,
+    /// Bound on what further bounces would add, relative to the mean radiance; infinite before two are done.
+    pub bounces_missing: f32,
+    /// Epochs finished.
+    pub epochs: u32,
+    /// What was noticed, one sentence each.
+    pub warning_count: u32,
+}
+
+structures!(LightovenLightMap, LightovenStatistics);
+
+/// Gives the newest finished light map. `light_map`: not NULL; its `struct_size` is set before. With a scene that stays as it is
+/// there is one, which `lightoven_baker_read_back` finishes.
+///
+/// # Safety
+/// `light_map` may be written.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn lightoven_baker_light_map(
+    handle: LightovenBaker,
+    light_map: *mut LightovenLightMap,
+) -> LightovenStatus {
+    guard(|| {
+        let newest = with(handle, |held| Ok(held.baker.light_map()))?;
+        let filled = LightovenLightMap {
+            struct_size: size_of::<LightovenLightMap>(),
+            image: newest.image,
+            view: newest.view,
+            generation: newest.generation,
+            sweeps: newest.sweeps,
+            format: newest.format,
+            layout: newest.layout,
+            width: newest.size[0],
+            height: newest.size[1],
+        };
+        // SAFETY: it may be written by the caller's word.
+        unsafe { write(light_map, "the light map", &filled) }
+    })
+}
+
+/// Tells what has been done so far. `statistics`: not NULL; its `struct_size` is set before.
+///
+/// # Safety
+/// `statistics` may be written.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn lightoven_baker_statistics(
+    handle: LightovenBaker,
+    statistics: *mut LightovenStatistics,
+) -> LightovenStatus {
+    guard(|| {
+        let filled = with(handle, |held| {
+            let done = held.baker.statistics();
+            Ok(LightovenStatistics {
+                struct_size: size_of::<LightovenStatistics>(),
+                texels: done.texels,
+                invalid_texels: done.invalid_texels,
+                rays: done.rays,
+                samples_per_texel: done.samples_per_texel,
+                mrays_per_s: done.mrays_per_s,
+                estimated_error: done.estimated_error.unwrap_or(-1.0),
+                bounces_missing: done.bounces_missing,
+                epochs: done.epochs,
+                warning_count: done.warnings.len() as u32,
+            })
+        })?;
+        // SAFETY: it may be written by the caller's word.
+        unsafe { write(statistics, "the statistics", &filled) }
+    })
+}
+
+/// Gives a warning: UTF-8, ended by a NUL, cut short where `capacity` is too small for all of it. `index`: below
+/// `LightovenStatistics::warning_count`; the other parameters are those of `lightoven_scene_text`.
+///
+/// # Safety
+/// As `lightoven_scene_text`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn lightoven_baker_warning(
+    handle: LightovenBaker,
+    index: u32,
+    buffer: *mut c_char,
+    capacity: usize,
+    length: *mut usize,
+) -> LightovenStatus {
+    guard(|| {
+        with(handle, |held| {
+            let warnings = &held.baker.statistics().warnings;
+            let Some(warning) = warnings.get(index as usize) else {
+                let count = warnings.len();
+                return Err(Failure::argument(format!("there is no warning {index}: the baker has {count}")));
+            };
+            // SAFETY: the caller's word, passed on.
+            unsafe { give_text(warning, buffer, capacity, length) }
+        })
+    })
+}
+
+/// Copies the light map, gutters filled, to the host: waits for the device; no frame is then under way. `pixels`: room for
+/// `pixel_count` times four floats, R, G, B and A, `[height][width][4]` from light-map coordinate v = 0; not NULL.
+/// `pixel_count`: width times height of `lightoven_baker_light_map`, and nothing else.
+///
+/// # Safety
+/// There is room for so many at `pixels`; nobody else uses the device's queues meanwhile, and no frame is under way.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn lightoven_baker_read_back(
+    handle: LightovenBaker,
+    pixels: *mut f32,
+    pixel_count: usize,
+) -> LightovenStatus {
+    guard(|| {
+        check_result(pixels, "the pixels")?;
+        let pixel_list = with(handle, |held| {
+            let [width, height] = held.baker.light_map().size;
+            let expected = width as usize * height as usize;
+            if pixel_count != expected {
+                let text = format!("the number of pixels is {pixel_count}; allowed is {width} x {height} = {expected}");
+                return Err(Failure::argument(text));
+            }
+            Ok(held.baker.read_back()?.pixels)
+        })?;
+        // SAFETY: there is room for so many by the caller's word.
+        unsafe { std::ptr::copy_nonoverlapping(pixel_list.as_ptr(), pixels.cast::<[f32; 4]>(), pixel_list.len()) };
+        Ok(())
+    })
+}
+
+/// Writes the light map as OpenEXR: R, G, B and A as 32-bit floats, with scene, seed, samples, device and version as attributes.
+/// It is written beside and renamed. `path`: UTF-8, not NULL. Waits as `lightoven_baker_read_back` does.
+///
+/// # Safety
+/// `path` ends with a NUL; otherwise as `lightoven_baker_read_back`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn lightoven_baker_write_exr(handle: LightovenBaker, path: *const c_char) -> LightovenStatus {
+    guard(|| {
+        // SAFETY: by the caller's word.
+        let path = unsafe { required_text(path, "the path")? };
+        let (light_map, metadata) = read_back_with_metadata(handle)?;
+        Ok(exr::write_light_map(Path::new(&path), &light_map, &metadata)?)
+    })
+}
+
+/// Writes a picture of the light map for the eye, as 8-bit PNG, its exposure chosen by its 99th percentile. Otherwise as
+/// `lightoven_baker_write_exr`.
+///
+/// # Safety
+/// As `lightoven_baker_write_exr`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn lightoven_baker_write_png(handle: LightovenBaker, path: *const c_char) -> LightovenStatus {
+    guard(|| {
+        // SAFETY: by the caller's word.
+        let path = unsafe { required_text(path, "the path")? };
+        let (light_map, _) = read_back_with_metadata(handle)?;
+        Ok(preview::write_preview(Path::new(&path), &light_map)?)
+    })
+}
+
+fn read_back_with_metadata(handle: LightovenBaker) -> Outcome<(LightMap, Metadata)> {
+    with(handle, |held| {
+        let light_map = held.baker.read_back()?;
+        Ok((light_map, Metadata { samples: held.baker.statistics().samples_per_texel, ..held.metadata.clone() }))
+    })
+}

@@ -1,0 +1,1258 @@
+/*
+ * lightoven: light maps, baked with Vulkan, for engines in C and C++.
+ *
+ * Every call gives a LightovenStatus; lightoven_last_error() has the text to it, for each thread its own. Every structure begins
+ * with its size, which the caller sets: `LightovenStop stop = {.struct_size = sizeof stop};`. Members that are left zero have a
+ * meaning of their own, said there. Handles are numbers that are never used twice, and {0} is the null handle of each kind. Where
+ * nothing is said a pointer is not NULL, is used within the call alone, and texts are UTF-8.
+ *
+ * Written by cbindgen from src/capi.
+ */
+
+#ifndef LIGHTOVEN_H
+#define LIGHTOVEN_H
+
+#include <stddef.h>
+#include <stdint.h>
+#include <vulkan/vulkan_core.h>
+
+// The version of the header.
+#define LIGHTOVEN_VERSION_MAJOR 0
+
+// The version of the header.
+#define LIGHTOVEN_VERSION_MINOR 1
+
+// The version of the header.
+#define LIGHTOVEN_VERSION_PATCH 0
+
+// Room for names of extensions.
+#define LIGHTOVEN_MOST_EXTENSIONS 8
+
+// `LightovenBakeSettings::bounces`: as many as there are.
+#define LIGHTOVEN_ALL_BOUNCES UINT32_MAX
+
+// `LightovenFrameSettings::tolerable_latency_ns`: old light never leaves.
+#define LIGHTOVEN_NEVER UINT64_MAX
+
+// How a call ended.
+enum LightovenStatus
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : int32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // As it should.
+    LIGHTOVEN_STATUS_OK = 0,
+    // The device, driver or file lacks something that was asked for.
+    LIGHTOVEN_STATUS_UNSUPPORTED = -1,
+    // Host or device memory ran out, or a buffer is over the device's limit.
+    LIGHTOVEN_STATUS_OUT_OF_MEMORY = -2,
+    // The device was lost; everything on it is gone.
+    LIGHTOVEN_STATUS_DEVICE_LOST = -3,
+    // The scene cannot be baked as it is.
+    LIGHTOVEN_STATUS_INVALID_SCENE = -4,
+    // A setting is outside what is allowed.
+    LIGHTOVEN_STATUS_INVALID_SETTINGS = -5,
+    // A file could not be read or written.
+    LIGHTOVEN_STATUS_IO = -6,
+    // The driver failed in a way that none of the others describe.
+    LIGHTOVEN_STATUS_DRIVER = -7,
+    // The call itself is wrong: a NULL, a handle, a structure's size or a count.
+    LIGHTOVEN_STATUS_INVALID_ARGUMENT = -8,
+    // The handle is in use: by another thread, by the call that this one is made from, or by what was made from it.
+    LIGHTOVEN_STATUS_IN_USE = -9,
+    // A fault of lightoven itself; the text says where. What the call worked on can only be destroyed.
+    LIGHTOVEN_STATUS_INTERNAL = -10,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum LightovenStatus LightovenStatus;
+#else
+typedef int32_t LightovenStatus;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// How grave a message is.
+enum LightovenLogLevel
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // Something could not be done.
+    LIGHTOVEN_LOG_LEVEL_ERROR = 0,
+    // Something was left out, clamped or taken for something else.
+    LIGHTOVEN_LOG_LEVEL_WARNING = 1,
+    // What may be of interest.
+    LIGHTOVEN_LOG_LEVEL_INFO = 2,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum LightovenLogLevel LightovenLogLevel;
+#else
+typedef uint32_t LightovenLogLevel;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// What traces the rays.
+enum LightovenBackend
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // Ray queries where the device has them in hardware, and they were enabled; else software.
+    LIGHTOVEN_BACKEND_AUTO = 0,
+    // A hierarchy in storage buffers, walked by compute shaders. Runs everywhere.
+    LIGHTOVEN_BACKEND_SOFTWARE = 1,
+    // VK_KHR_ray_query; refused where the device has none.
+    LIGHTOVEN_BACKEND_RAY_QUERY = 2,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum LightovenBackend LightovenBackend;
+#else
+typedef uint32_t LightovenBackend;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// Features of a Vulkan device, bits of `LightovenRequirements::features` and `LightovenGpuDesc::features`.
+enum LightovenDeviceFeature
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // VkPhysicalDeviceVulkan12Features::timelineSemaphore
+    LIGHTOVEN_DEVICE_FEATURE_TIMELINE_SEMAPHORE = 1,
+    // VkPhysicalDeviceVulkan12Features::bufferDeviceAddress
+    LIGHTOVEN_DEVICE_FEATURE_BUFFER_DEVICE_ADDRESS = 2,
+    // VkPhysicalDeviceVulkan13Features::dynamicRendering
+    LIGHTOVEN_DEVICE_FEATURE_DYNAMIC_RENDERING = 4,
+    // VkPhysicalDeviceVulkan13Features::synchronization2
+    LIGHTOVEN_DEVICE_FEATURE_SYNCHRONIZATION2 = 8,
+    // VkPhysicalDeviceVulkan13Features::maintenance4
+    LIGHTOVEN_DEVICE_FEATURE_MAINTENANCE4 = 16,
+    // VkPhysicalDeviceAccelerationStructureFeaturesKHR::accelerationStructure
+    LIGHTOVEN_DEVICE_FEATURE_ACCELERATION_STRUCTURE = 32,
+    // VkPhysicalDeviceRayQueryFeaturesKHR::rayQuery
+    LIGHTOVEN_DEVICE_FEATURE_RAY_QUERY = 64,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum LightovenDeviceFeature LightovenDeviceFeature;
+#else
+typedef uint32_t LightovenDeviceFeature;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// Whether an instance may be moved, removed and added while a baker runs.
+enum LightovenMobility
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // It stays where it is: texels inside it are given up.
+    LIGHTOVEN_MOBILITY_STATIC = 0,
+    // It may move.
+    LIGHTOVEN_MOBILITY_MOVABLE = 1,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum LightovenMobility LightovenMobility;
+#else
+typedef uint32_t LightovenMobility;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// What lies beyond a texture's edge.
+enum LightovenWrap
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // The texture again.
+    LIGHTOVEN_WRAP_REPEAT = 0,
+    // The texture again, every other one mirrored.
+    LIGHTOVEN_WRAP_MIRRORED_REPEAT = 1,
+    // The edge's colour.
+    LIGHTOVEN_WRAP_CLAMP_TO_EDGE = 2,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum LightovenWrap LightovenWrap;
+#else
+typedef uint32_t LightovenWrap;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// Whether a surface answers when seen from behind.
+enum LightovenSidedness
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // Seen from behind it blocks light and is black.
+    LIGHTOVEN_SIDEDNESS_SINGLE = 0,
+    // Both sides show the same light.
+    LIGHTOVEN_SIDEDNESS_DOUBLE = 1,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum LightovenSidedness LightovenSidedness;
+#else
+typedef uint32_t LightovenSidedness;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// The kind of a light.
+enum LightovenLightKind
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // Shines from a point into all directions.
+    LIGHTOVEN_LIGHT_KIND_POINT = 0,
+    // Shines from a point into a cone.
+    LIGHTOVEN_LIGHT_KIND_SPOT = 1,
+    // Shines from infinitely far away.
+    LIGHTOVEN_LIGHT_KIND_DIRECTIONAL = 2,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum LightovenLightKind LightovenLightKind;
+#else
+typedef uint32_t LightovenLightKind;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// The kind of a sky.
+enum LightovenSkyKind
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // No light comes from it.
+    LIGHTOVEN_SKY_KIND_BLACK = 0,
+    // The same radiance from everywhere.
+    LIGHTOVEN_SKY_KIND_CONSTANT = 1,
+    // A radiance for every direction.
+    LIGHTOVEN_SKY_KIND_MAP = 2,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum LightovenSkyKind LightovenSkyKind;
+#else
+typedef uint32_t LightovenSkyKind;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// Texts of a scene.
+enum LightovenSceneText
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // The name of an instance: what it is moved by is its index.
+    LIGHTOVEN_SCENE_TEXT_INSTANCE = 0,
+    // The name of a material.
+    LIGHTOVEN_SCENE_TEXT_MATERIAL = 1,
+    // The name of a light.
+    LIGHTOVEN_SCENE_TEXT_LIGHT = 2,
+    // A warning.
+    LIGHTOVEN_SCENE_TEXT_WARNING = 3,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum LightovenSceneText LightovenSceneText;
+#else
+typedef uint32_t LightovenSceneText;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// What surfaces of a glTF file answer to.
+enum LightovenGltfSidedness
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // As the materials' `doubleSided` says.
+    LIGHTOVEN_GLTF_SIDEDNESS_AS_WRITTEN = 0,
+    // Every surface answers on both sides.
+    LIGHTOVEN_GLTF_SIDEDNESS_ALL_DOUBLE = 1,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum LightovenGltfSidedness LightovenGltfSidedness;
+#else
+typedef uint32_t LightovenGltfSidedness;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// Which way rays are sent. Whichever it is, the light map is the same but for its noise.
+enum LightovenSampling
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // As it pays.
+    LIGHTOVEN_SAMPLING_AUTO = 0,
+    // By the cosine alone.
+    LIGHTOVEN_SAMPLING_COSINE = 1,
+    // Toward what shines alone; for comparisons.
+    LIGHTOVEN_SAMPLING_IMPORTANCE = 2,
+    // Both: `cosine_share` of the rays by the cosine.
+    LIGHTOVEN_SAMPLING_MIXTURE = 3,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum LightovenSampling LightovenSampling;
+#else
+typedef uint32_t LightovenSampling;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// By what aimed rays choose where they go.
+enum LightovenAimedBy
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // Luminance times area alone.
+    LIGHTOVEN_AIMED_BY_POWER = 0,
+    // And distance, and the cosines at both ends.
+    LIGHTOVEN_AIMED_BY_DISTANCE = 1,
+    // And what earlier rays have shown to be visible. The default.
+    LIGHTOVEN_AIMED_BY_VISIBILITY = 2,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum LightovenAimedBy LightovenAimedBy;
+#else
+typedef uint32_t LightovenAimedBy;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// What is told of the error of a bake at a stretch.
+enum LightovenErrorEstimate
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // Nothing; a bake cannot end by it.
+    LIGHTOVEN_ERROR_ESTIMATE_NONE = 0,
+    // Its estimate. The default.
+    LIGHTOVEN_ERROR_ESTIMATE_TOLD = 1,
+    // And where a bake ends by it, texels that have converged stop before the others.
+    LIGHTOVEN_ERROR_ESTIMATE_ADAPTIVE = 2,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum LightovenErrorEstimate LightovenErrorEstimate;
+#else
+typedef uint32_t LightovenErrorEstimate;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// Which time the running average goes by.
+enum LightovenClock
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // Time as it passes.
+    LIGHTOVEN_CLOCK_WALL = 0,
+    // What `lightoven_baker_set_time` says.
+    LIGHTOVEN_CLOCK_ENGINE = 1,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum LightovenClock LightovenClock;
+#else
+typedef uint32_t LightovenClock;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// What tells how long a frame took.
+enum LightovenMeasure
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // Timestamps of the device; where it has none the host's clock.
+    LIGHTOVEN_MEASURE_TIMESTAMPS = 0,
+    // The host's clock.
+    LIGHTOVEN_MEASURE_HOST = 1,
+    // Nothing, in a LightovenFrameTiming: the frame had nothing to do, or was reported complete before.
+    LIGHTOVEN_MEASURE_NOTHING = 2,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum LightovenMeasure LightovenMeasure;
+#else
+typedef uint32_t LightovenMeasure;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// What a bake is doing.
+enum LightovenPhase
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // Scene, hierarchy, g-buffer.
+    LIGHTOVEN_PHASE_PREPARING = 0,
+    // Finding out how light is reflected.
+    LIGHTOVEN_PHASE_BOUNCES = 1,
+    // Collecting samples.
+    LIGHTOVEN_PHASE_SAMPLES = 2,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum LightovenPhase LightovenPhase;
+#else
+typedef uint32_t LightovenPhase;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// How a bake ended.
+enum LightovenEnd
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // The stop was reached.
+    LIGHTOVEN_END_FINISHED = 0,
+    // The callback ended it.
+    LIGHTOVEN_END_INTERRUPTED = 1,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum LightovenEnd LightovenEnd;
+#else
+typedef uint32_t LightovenEnd;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// The passes of a frame, bits of `LightovenFrameReport::ran`.
+enum LightovenRan
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // Transforms, lights, emission or sky were written.
+    LIGHTOVEN_RAN_UPDATE = 1,
+    // The top level of the hierarchy was built anew.
+    LIGHTOVEN_RAN_TOP_LEVEL = 2,
+    // Light from analytic lights.
+    LIGHTOVEN_RAN_DIRECT = 4,
+    // Rays.
+    LIGHTOVEN_RAN_BAKE = 8,
+    // Outgoing radiance of texels.
+    LIGHTOVEN_RAN_SOURCE = 16,
+    // A light map was written, or a part of one.
+    LIGHTOVEN_RAN_PUBLISH = 32,
+    // What rays are aimed by was made anew, or a part of it.
+    LIGHTOVEN_RAN_IMPORTANCE = 64,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum LightovenRan LightovenRan;
+#else
+typedef uint32_t LightovenRan;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// Takes a message. `level`: a LightovenLogLevel. `text`: UTF-8, ended by a NUL, valid within the call. It may be called by any
+// thread that calls lightoven, calls nothing of lightoven itself, and returns.
+typedef void (*LightovenLogCallback)(uint32_t level, const char *text, void *user);
+
+// What an engine enables on its device, beside what it needs itself.
+typedef struct {
+    // sizeof(LightovenRequirements)
+    size_t struct_size;
+    // A LightovenBackend that this is for: software or ray query.
+    uint32_t backend;
+    // Least version of the instance and of the device, as VK_MAKE_API_VERSION packs it.
+    uint32_t api_version;
+    // Bits of LightovenDeviceFeature.
+    uint32_t features;
+    // How many of `device_extensions` are used.
+    uint32_t device_extension_count;
+    // Names of device extensions, valid for ever.
+    const char *device_extensions[LIGHTOVEN_MOST_EXTENSIONS];
+} LightovenRequirements;
+
+// Vulkan handles to bake with. Nothing of it is destroyed; all of it outlives the LightovenGpu, and its arrays are not
+// needed after the call.
+typedef struct {
+    // sizeof(LightovenGpuDesc)
+    size_t struct_size;
+    // What the instance's functions are loaded by: all of Vulkan is called through it, and nothing is linked.
+    PFN_vkGetInstanceProcAddr get_instance_proc_addr;
+    // An instance of Vulkan 1.3 or later.
+    VkInstance instance;
+    // The device's physical device.
+    VkPhysicalDevice physical_device;
+    // The device, created with what `lightoven_requirements` said.
+    VkDevice device;
+    // A queue with graphics, compute and transfer: set-up runs on it, and what is recorded into the engine's commands.
+    VkQueue queue;
+    // A queue with compute for `lightoven_baker_submit`. NULL: `queue`.
+    VkQueue compute_queue;
+    // The family of `queue`.
+    uint32_t queue_family;
+    // The family of `compute_queue`; not looked at where that is NULL.
+    uint32_t compute_queue_family;
+    // Extensions enabled on the instance, `[instance_extension_count]`. With VK_EXT_debug_utils objects are named and passes
+    // labelled. NULL where the count is 0.
+    const char *const *instance_extensions;
+    // At most 2^32 - 1.
+    size_t instance_extension_count;
+    // Extensions enabled on the device, `[device_extension_count]`. NULL where the count is 0.
+    const char *const *device_extensions;
+    // At most 2^32 - 1.
+    size_t device_extension_count;
+    // What `lightoven_gpu_pipeline_cache` gave, perhaps in an earlier run. Bytes of another device or driver, or damaged ones,
+    // are left aside with a warning. NULL where the size is 0.
+    const void *pipeline_cache;
+    // Bytes; at most 2^32 - 1.
+    size_t pipeline_cache_size;
+    // Features enabled on the device, bits of LightovenDeviceFeature; others are not looked at.
+    uint32_t features;
+    // A LightovenBackend.
+    uint32_t backend;
+} LightovenGpuDesc;
+
+// A device to bake on. The null handle has the id 0. It may be used by several threads at a time.
+typedef struct {
+    // Not for use.
+    uint64_t id;
+} LightovenGpu;
+
+// What a device holds for its bakers.
+typedef struct {
+    // sizeof(LightovenGpuInfo)
+    size_t struct_size;
+    // A LightovenBackend: software or ray query.
+    uint32_t backend;
+    // Compute and graphics pipelines.
+    uint32_t pipelines;
+    // Device memory that buffers and images of lightoven hold, bytes.
+    uint64_t allocated_bytes;
+} LightovenGpuInfo;
+
+// A checked scene, read-only. The null handle has the id 0. It may be used by several threads at a time, and destroyed as
+// soon as bakers have been made from it.
+typedef struct {
+    // Not for use.
+    uint64_t id;
+} LightovenScene;
+
+// What a scene holds.
+typedef struct {
+    // sizeof(LightovenSceneInfo)
+    size_t struct_size;
+    // Triangles over all instances.
+    uint64_t triangle_count;
+    // Instances that can be baked; bakers count them as here.
+    uint32_t instance_count;
+    // Materials.
+    uint32_t material_count;
+    // Point, spot and directional lights.
+    uint32_t light_count;
+    // What was dropped, clamped or left out, one sentence each.
+    uint32_t warning_count;
+} LightovenSceneInfo;
+
+// Triangles of one material. Attribute arrays are `[vertex]`.
+typedef struct {
+    // sizeof(LightovenMeshPart)
+    size_t struct_size;
+    // Object-space x, y, z, `[vertex][3]`; triangles are counter-clockwise seen from the front. NULL where the count is 0.
+    const float *positions;
+    // Shading normals, `[vertex][3]`, of any length but 0. NULL: the triangle's own.
+    const float *normals;
+    // Light-map coordinates, 0 to 1, `[vertex][2]`. NULL: the part blocks and emits light and receives none.
+    const float *light_map_uvs;
+    // Coordinates in the albedo texture, `[vertex][2]`. NULL: (0, 0).
+    const float *albedo_uvs;
+    // Coordinates in the emission texture, `[vertex][2]`. NULL: (0, 0).
+    const float *emission_uvs;
+    // At most 2^32 - 1.
+    size_t vertex_count;
+    // `[3 * triangle]`, each below `vertex_count`. NULL where the count is 0.
+    const uint32_t *indices;
+    // A multiple of 3, at most 2^32 - 1. 0: every three vertices are a triangle.
+    size_t index_count;
+    // Index into the scene's materials.
+    uint32_t material;
+    // 0.
+    uint32_t reserved;
+} LightovenMeshPart;
+
+// A mesh.
+typedef struct {
+    // sizeof(LightovenMesh)
+    size_t struct_size;
+    // Shown in messages; UTF-8. NULL: none.
+    const char *name;
+    // `[part_count]`; NULL where the count is 0.
+    const LightovenMeshPart *parts;
+    // At most 2^32 - 1.
+    size_t part_count;
+} LightovenMesh;
+
+// A placed copy of a mesh.
+typedef struct {
+    // sizeof(LightovenInstance)
+    size_t struct_size;
+    // Shown in messages; UTF-8. NULL: none.
+    const char *name;
+    // Object to world: three rows of four, as VkTransformMatrixKHR has them, in double precision. NULL: identity. A singular one
+    // leaves the instance out, with a warning, and those after it move up.
+    const double *object_to_world;
+    // Index into the scene's meshes.
+    uint32_t mesh;
+    // A LightovenMobility.
+    uint32_t mobility;
+} LightovenInstance;
+
+// A texture as a material uses it.
+typedef struct {
+    // sizeof(LightovenTextureUse)
+    size_t struct_size;
+    // Index into the scene's textures.
+    uint32_t texture;
+    // A LightovenWrap, horizontally.
+    uint32_t wrap_u;
+    // A LightovenWrap, vertically.
+    uint32_t wrap_v;
+    // 0.
+    uint32_t reserved;
+} LightovenTextureUse;
+
+// A diffuse, possibly emissive surface. Colours are linear, Rec. 709.
+typedef struct {
+    // sizeof(LightovenMaterial)
+    size_t struct_size;
+    // Shown in messages; UTF-8. NULL: none.
+    const char *name;
+    // Multiplied with `albedo`. NULL: none.
+    const LightovenTextureUse *albedo_texture;
+    // Multiplied with `emission`. NULL: none.
+    const LightovenTextureUse *emission_texture;
+    // Diffuse albedo, at least 0; over 0.999 it is clamped with a warning.
+    float albedo[3];
+    // Emitted radiance, at least 0.
+    float emission[3];
+    // A LightovenSidedness.
+    uint32_t sidedness;
+    // 0.
+    uint32_t reserved;
+} LightovenMaterial;
+
+// An image with sRGB encoding.
+typedef struct {
+    // sizeof(LightovenTexture)
+    size_t struct_size;
+    // Shown in messages; UTF-8. NULL: none.
+    const char *name;
+    // Red, green, blue and an alpha that is not used, 8 bits each: `[height][width][4]`, from the top. Not NULL.
+    const uint8_t *pixels;
+    // Columns, at least 1.
+    uint32_t width;
+    // Rows, at least 1.
+    uint32_t height;
+} LightovenTexture;
+
+// An analytic light.
+typedef struct {
+    // sizeof(LightovenLight)
+    size_t struct_size;
+    // Shown in messages; UTF-8. NULL: none.
+    const char *name;
+    // Point and spot: world position.
+    double position[3];
+    // Spot and directional: the way the light travels, of any length but 0.
+    float direction[3];
+    // Linear Rec. 709. Point and spot: radiant intensity; directional: irradiance on a surface that faces it.
+    float intensity[3];
+    // Point and spot: distance at which the light has faded to 0, scene units. 0: it never does.
+    float range;
+    // Spot: angle from the axis up to which it shines fully, radians.
+    float inner_angle;
+    // Spot: angle from the axis beyond which it does not shine, radians; more than `inner_angle`, at most pi/2.
+    float outer_angle;
+    // A LightovenLightKind.
+    uint32_t kind;
+} LightovenLight;
+
+// What a ray sees that leaves the scene.
+typedef struct {
+    // sizeof(LightovenSky)
+    size_t struct_size;
+    // Map: radiance, linear Rec. 709, `[height][width][3]`, equirectangular, from the top. The y axis is up; a direction d is
+    // at column width * (atan2(d.z, d.x) / 2 pi + 1/2) and row height * acos(d.y) / pi. Else not looked at.
+    const float *pixels;
+    // Map: columns, at least 1.
+    uint32_t width;
+    // Map: rows, at least 1.
+    uint32_t height;
+    // Constant: radiance, linear Rec. 709, at least 0.
+    float radiance[3];
+    // A LightovenSkyKind.
+    uint32_t kind;
+} LightovenSky;
+
+// Everything that makes up a scene.
+typedef struct {
+    // sizeof(LightovenSceneDesc)
+    size_t struct_size;
+    // Shown in messages and written into files; UTF-8. NULL: none.
+    const char *name;
+    // `[mesh_count]`; NULL where the count is 0, as with the other lists.
+    const LightovenMesh *meshes;
+    // At most 2^32 - 1, as the other counts.
+    size_t mesh_count;
+    // `[instance_count]`
+    const LightovenInstance *instances;
+    // Number of instances.
+    size_t instance_count;
+    // `[material_count]`
+    const LightovenMaterial *materials;
+    // Number of materials.
+    size_t material_count;
+    // `[texture_count]`
+    const LightovenTexture *textures;
+    // Number of textures.
+    size_t texture_count;
+    // `[light_count]`
+    const LightovenLight *lights;
+    // Number of lights.
+    size_t light_count;
+    // NULL: black.
+    const LightovenSky *sky;
+} LightovenSceneDesc;
+
+// How glTF is read. NULL in its place: as written, with a black sky.
+typedef struct {
+    // sizeof(LightovenGltf)
+    size_t struct_size;
+    // glTF has no sky of its own. NULL: black.
+    const LightovenSky *sky;
+    // A LightovenGltfSidedness.
+    uint32_t sidedness;
+    // 0.
+    uint32_t reserved;
+} LightovenGltf;
+
+// How a baker behaves that works within an engine's frames. `lightoven_frame_settings_default` fills it in.
+typedef struct {
+    // sizeof(LightovenFrameSettings)
+    size_t struct_size;
+    // After so long `decay_threshold` of the old light is left, nanoseconds; default half a second.
+    uint64_t tolerable_latency_ns;
+    // Between 0 and 1, both excluded; default .1.
+    double decay_threshold;
+    // Frames that may be recorded before the oldest of them is reported complete; 1 to 8, default 3.
+    uint32_t frames_in_flight;
+    // A LightovenClock; default wall.
+    uint32_t clock;
+    // A LightovenMeasure for the cost model: timestamps (the default) or host.
+    uint32_t measured_by;
+    // Rays of a visit to a texel, in quanta of 16; 1 to 64. 0, the default: 1, and more where a frame has time for more.
+    uint32_t quanta;
+} LightovenFrameSettings;
+
+// How to bake. `lightoven_bake_settings_default` fills it in.
+typedef struct {
+    // sizeof(LightovenBakeSettings)
+    size_t struct_size;
+    // Another seed gives other noise; default 0.
+    uint64_t seed;
+    // How long one submission of a bake at a stretch may take, nanoseconds; default 50 ms. 0: the least that can be submitted.
+    uint64_t slice_ns;
+    // NULL, the default: the scene stays as it is, and `lightoven_baker_bake` bakes it. Else it changes, and
+    // `lightoven_baker_record` or `lightoven_baker_submit` work within an engine's frames.
+    const LightovenFrameSettings *frames;
+    // Side of the light map in texels, 1 to 16384, where `texels_per_unit` is 0; default 512.
+    uint32_t resolution;
+    // Texels for one scene unit of length; default 0: as `resolution` says.
+    float texels_per_unit;
+    // How many times light is reflected; default LIGHTOVEN_ALL_BOUNCES, which frames insist on.
+    uint32_t bounces;
+    // A LightovenSampling; default auto.
+    uint32_t sampling;
+    // Share of rays by the cosine in a mixture, .1 to 1; default .5. Else not looked at.
+    float cosine_share;
+    // A LightovenAimedBy; default visibility.
+    uint32_t aimed_by;
+    // A LightovenErrorEstimate; default told.
+    uint32_t error;
+    // 0.
+    uint32_t reserved;
+} LightovenBakeSettings;
+
+// Bakes the light map of one scene on one device. The null handle has the id 0. One thread at a time: a call while another one
+// works on the same baker, also from that one's callback, gives IN_USE. Destroy it once every frame that it recorded or
+// submitted, and every frame that uses one of its light maps, has finished on the device.
+typedef struct {
+    // Not for use.
+    uint64_t id;
+} LightovenBaker;
+
+// The newest finished light map on the device. It is not written again before the frame after the one that replaced it has been
+// reported complete: use it in the next frame that is recorded, and ask again for the one after.
+typedef struct {
+    // sizeof(LightovenLightMap)
+    size_t struct_size;
+    // The image.
+    VkImage image;
+    // A view of all of it; one of three, and the same for the same image.
+    VkImageView view;
+    // Grows by 1 with every finished map; 0: none is finished yet. Always 0 for a scene that stays as it is.
+    uint64_t generation;
+    // Sweeps over all texels that it holds. Always 0 for a scene that stays as it is.
+    uint64_t sweeps;
+    // RGB: irradiance, linear Rec. 709, scene units; A: 1 where the texel lies on a surface, else 0. Gutters are filled.
+    VkFormat format;
+    // The layout that the image is in, now and always.
+    VkImageLayout layout;
+    // Columns.
+    uint32_t width;
+    // Rows; the first is light-map coordinate v = 0.
+    uint32_t height;
+} LightovenLightMap;
+
+// What a baker has done.
+typedef struct {
+    // sizeof(LightovenStatistics)
+    size_t struct_size;
+    // Texels that take rays.
+    uint64_t texels;
+    // Texels on a surface that are inside something and are filled from their neighbours.
+    uint64_t invalid_texels;
+    // Rays traced, shadow rays of analytic lights not counted.
+    uint64_t rays;
+    // Samples of a texel, in the mean.
+    double samples_per_texel;
+    // Million rays a second of baking.
+    double mrays_per_s;
+    // Root of relMSE as it is estimated; below 0: not known.
+    float estimated_error;
+    // Bound on what further bounces would add, relative to the mean radiance; infinite before two are done.
+    float bounces_missing;
+    // Epochs finished.
+    uint32_t epochs;
+    // What was noticed, one sentence each.
+    uint32_t warning_count;
+} LightovenStatistics;
+
+// When a bake ends: at whichever comes first. With nothing set it goes on until its callback ends it.
+typedef struct {
+    // sizeof(LightovenStop)
+    size_t struct_size;
+    // Time from the call, nanoseconds. 0: no limit.
+    uint64_t time_ns;
+    // Rays a texel; rounded up to a multiple of 64, at most 2^30. 0: no limit.
+    uint32_t samples;
+    // Estimated relative error of the irradiance, the root of relMSE, more than 0. 0: no limit.
+    float error;
+} LightovenStop;
+
+// How far a bake is.
+typedef struct {
+    // sizeof(LightovenProgress)
+    size_t struct_size;
+    // Rays traced.
+    uint64_t rays;
+    // Samples of a texel, in the mean.
+    uint64_t samples_per_texel;
+    // Time since the call, nanoseconds.
+    uint64_t elapsed_ns;
+    // Time to the stop at the rate so far, nanoseconds; the largest number while it cannot be told.
+    uint64_t time_left_ns;
+    // Million rays a second of baking.
+    double mrays_per_s;
+    // How far it is on the way to the stop, 0 to 1.
+    float fraction;
+    // Root of relMSE as it is estimated; below 0: not known yet.
+    float estimated_error;
+    // A LightovenPhase.
+    uint32_t phase;
+    // Epochs finished.
+    uint32_t epoch;
+} LightovenProgress;
+
+// Called between slices of a bake, on the thread that bakes. `progress` is valid within the call, `user` is what
+// `lightoven_baker_bake` was given. 0: the bake goes on; else it ends, and keeps what it has. It returns: no exception and no
+// longjmp leaves it.
+typedef int32_t (*LightovenProgressCallback)(const LightovenProgress *progress, void *user);
+
+// What a frame was given to do.
+typedef struct {
+    // sizeof(LightovenFrameReport)
+    size_t struct_size;
+    // The frame, numbered from 1, to be reported complete.
+    uint64_t frame;
+    // Rays of gathering.
+    uint64_t rays;
+    // Rays a texel, over all texels that take rays: a fraction where tiles take turns.
+    double samples_per_texel;
+    // How long the cost model expects it to take, nanoseconds.
+    uint64_t predicted_ns;
+    // How long the least that is dispatched is expected to take, nanoseconds.
+    uint64_t one_unit_ns;
+    // Sweeps over all texels finished so far.
+    uint64_t sweeps;
+    // Bits of LightovenRan: the passes that were recorded.
+    uint32_t ran;
+    // Dispatches of direct light, rays, outgoing radiance and light maps.
+    uint32_t dispatches;
+    // 1: old light leaves the running average, because something has changed lately; else 0.
+    uint32_t decaying;
+    // 1: nothing was recorded, since as many frames as may be in flight had not been reported complete; else 0.
+    uint32_t held_up;
+} LightovenFrameReport;
+
+// A value of a timeline semaphore.
+typedef struct {
+    // sizeof(LightovenTimelinePoint)
+    size_t struct_size;
+    // A timeline semaphore of the device.
+    VkSemaphore semaphore;
+    // The value to wait for, or to signal.
+    uint64_t value;
+} LightovenTimelinePoint;
+
+// How long a frame took.
+typedef struct {
+    // sizeof(LightovenFrameTiming)
+    size_t struct_size;
+    // The frame.
+    uint64_t frame;
+    // Time of the baker's work on the device, nanoseconds.
+    uint64_t bake_ns;
+    // A LightovenMeasure. Nothing: the frame had nothing to do or was reported before, and the time is 0.
+    uint32_t measured_by;
+    // 1: a pipeline ran for the first time, and the driver may have compiled it within the frame; else 0.
+    uint32_t first_use;
+} LightovenFrameTiming;
+
+#ifdef __cplusplus
+extern "C" {
+#endif // __cplusplus
+
+// The version of the library, as "major.minor.patch"; compare it with the header's. Valid for ever.
+const char *lightoven_version(void);
+
+// What the last call of this thread that failed has to say: the thing, its value, what is allowed. UTF-8, ended by a NUL,
+// valid until the next call of this thread that fails; empty before the first.
+const char *lightoven_last_error(void);
+
+// A status's name, as in the header without its prefix; "UNKNOWN" for what is none. Never NULL, valid for ever.
+const char *lightoven_status_name(int32_t status);
+
+// Where messages go that lightoven has beside its errors; NULL: nowhere, as at the beginning. `user`: passed on.
+// UNSUPPORTED where something else in the process takes the messages of its Rust code already.
+//
+// # Safety
+// `callback` may be called with `user` by any thread that calls lightoven, until another is set.
+LightovenStatus lightoven_set_log(LightovenLogCallback callback, void *user);
+
+// Tells what to enable on a device before it is made. `backend`: a LightovenBackend. `requirements`: filled in, not NULL;
+// its `struct_size` is set before.
+//
+// # Safety
+// The instance is valid and was made by the library that `get_instance_proc_addr` belongs to; the physical device is the
+// instance's; `requirements` may be written.
+LightovenStatus lightoven_requirements(PFN_vkGetInstanceProcAddr get_instance_proc_addr,
+                                       VkInstance instance,
+                                       VkPhysicalDevice physical_device,
+                                       uint32_t backend,
+                                       LightovenRequirements *requirements);
+
+// Takes an engine's device. `desc`, `gpu`: not NULL. `gpu` is written only where the call succeeds.
+//
+// # Safety
+// - `desc` and what it points to are as its members say; the handles are valid and belong together; extensions and features
+//   are those that the device was created with.
+// - All of them outlive the LightovenGpu.
+// - Nobody else uses the queues during `lightoven_baker_create`, `_bake`, `_read_back`, `_write_exr` and `_set_scene`, nor the
+//   queue for compute during `lightoven_baker_submit`: Vulkan wants one thread at a time there.
+LightovenStatus lightoven_gpu_create(const LightovenGpuDesc *desc,
+                                     LightovenGpu *gpu);
+
+// Lets the device go; nothing that the engine made is destroyed. Nothing happens for the null handle. IN_USE while bakers of
+// it live.
+LightovenStatus lightoven_gpu_destroy(LightovenGpu gpu);
+
+// Tells what a device holds. `info`: not NULL; its `struct_size` is set before.
+//
+// # Safety
+// `info` may be written.
+LightovenStatus lightoven_gpu_info(LightovenGpu handle, LightovenGpuInfo *info);
+
+// Gives the compiled pipelines as bytes, for the engine to keep and hand in the next time. `size`: not NULL; with `data` NULL it
+// is set to the bytes there are, else it tells the room at `data` and is set to what was written. INVALID_ARGUMENT where the
+// room is too small: pipelines that were compiled in between made it grow.
+//
+// # Safety
+// `size` may be read and written; `data` is NULL or has room for as many bytes.
+LightovenStatus lightoven_gpu_pipeline_cache(LightovenGpu handle,
+                                             size_t *size,
+                                             void *data);
+
+// Destroys a scene. Nothing happens for the null handle. IN_USE while another thread uses it.
+LightovenStatus lightoven_scene_destroy(LightovenScene scene);
+
+// Tells what a scene holds. `info`: not NULL; its `struct_size` is set before.
+//
+// # Safety
+// `info` may be written.
+LightovenStatus lightoven_scene_info(LightovenScene handle, LightovenSceneInfo *info);
+
+// Gives a text of a scene: UTF-8, ended by a NUL, cut short where `capacity` is too small for all of it.
+//
+// `kind`: a LightovenSceneText. `index`: below the count of these in LightovenSceneInfo. `buffer`: room for `capacity` bytes, or
+// NULL. `length`: set to the whole text's bytes without the NUL, or NULL; not both are NULL.
+//
+// # Safety
+// `buffer` has room for `capacity` bytes where it is not NULL; `length` may be written where it is not NULL.
+LightovenStatus lightoven_scene_text(LightovenScene handle,
+                                     uint32_t kind,
+                                     uint32_t index,
+                                     char *buffer,
+                                     size_t capacity,
+                                     size_t *length);
+
+// Checks a scene and takes it over. `desc`, `scene`: not NULL. `scene` is written only where the call succeeds; nothing of the
+// description is needed after it.
+//
+// INVALID_SCENE names the mesh, material, instance or light, the value and what is allowed. Triangles without area are dropped,
+// instances with a singular transform left out and albedo clamped; warnings say so (`lightoven_scene_text`).
+//
+// # Safety
+// `desc` and what it points to are as its members say; `scene` may be written.
+LightovenStatus lightoven_scene_create(const LightovenSceneDesc *desc,
+                                       LightovenScene *scene);
+
+// Reads a .gltf or .glb file: its TEXCOORD_1 is the light map, what an animation moves is movable. `path`: UTF-8, not NULL.
+// `gltf`: NULL for the defaults. `scene`: not NULL, written only where the call succeeds.
+//
+// # Safety
+// `path` ends with a NUL; `gltf` is NULL or as its members say; `scene` may be written.
+LightovenStatus lightoven_scene_read_gltf(const char *path,
+                                          const LightovenGltf *gltf,
+                                          LightovenScene *scene);
+
+// Reads a .gltf or .glb file that is in memory.
+//
+// `data`: its `size` bytes, at least 1. `name`: that of the scene, UTF-8; NULL: "memory". `folder`: where files lie that it
+// refers to, UTF-8; NULL: it may refer to none, and holds its buffers and images itself. `gltf`: NULL for the defaults.
+// `scene`: not NULL, written only where the call succeeds.
+//
+// # Safety
+// As `lightoven_scene_read_gltf`; there are `size` bytes at `data`.
+LightovenStatus lightoven_scene_read_gltf_memory(const void *data,
+                                                 size_t size,
+                                                 const char *name,
+                                                 const char *folder,
+                                                 const LightovenGltf *gltf,
+                                                 LightovenScene *scene);
+
+// Fills in the defaults. `settings`: not NULL; its `struct_size` is set before.
+//
+// # Safety
+// `settings` may be written.
+LightovenStatus lightoven_bake_settings_default(LightovenBakeSettings *settings);
+
+// Fills in the defaults. `settings`: not NULL; its `struct_size` is set before.
+//
+// # Safety
+// `settings` may be written.
+LightovenStatus lightoven_frame_settings_default(LightovenFrameSettings *settings);
+
+// Tells how much device memory a baker will take, bytes, to about 5 %, before anything is allocated. `settings`: NULL for the
+// defaults. `bytes`: not NULL.
+//
+// # Safety
+// `settings` is NULL or as its members say; `bytes` may be written.
+LightovenStatus lightoven_estimate_memory(LightovenScene handle,
+                                          const LightovenBakeSettings *settings,
+                                          uint64_t *bytes);
+
+// Makes a baker. `settings`: NULL for the defaults. `baker`: not NULL, written only where the call succeeds. It waits for the
+// device.
+//
+// # Safety
+// `settings` is NULL or as its members say; `baker` may be written; nobody else uses the device's queues meanwhile.
+LightovenStatus lightoven_baker_create(LightovenGpu device,
+                                       LightovenScene described,
+                                       const LightovenBakeSettings *settings,
+                                       LightovenBaker *baker);
+
+// Destroys a baker, without waiting. Nothing happens for the null handle.
+//
+// # Safety
+// Every frame that it recorded or submitted, and every frame that uses one of its light maps, has finished on the device.
+LightovenStatus lightoven_baker_destroy(LightovenBaker baker);
+
+// Gives the newest finished light map. `light_map`: not NULL; its `struct_size` is set before. With a scene that stays as it is
+// there is one, which `lightoven_baker_read_back` finishes.
+//
+// # Safety
+// `light_map` may be written.
+LightovenStatus lightoven_baker_light_map(LightovenBaker handle,
+                                          LightovenLightMap *light_map);
+
+// Tells what has been done so far. `statistics`: not NULL; its `struct_size` is set before.
+//
+// # Safety
+// `statistics` may be written.
+LightovenStatus lightoven_baker_statistics(LightovenBaker handle, LightovenStatistics *statistics);
+
+// Gives a warning: UTF-8, ended by a NUL, cut short where `capacity` is too small for all of it. `index`: below
+// `LightovenStatistics::warning_count`; the other parameters are those of `lightoven_scene_text`.
+//
+// # Safety
+// As `lightoven_scene_text`.
+LightovenStatus lightoven_baker_warning(LightovenBaker handle,
+                                        uint32_t index,
+                                        char *buffer,
+                                        size_t capacity,
+                                        size_t *length);
+
+// Copies the light map, gutters filled, to the host: waits for the device; no frame is then under way. `pixels`: room for
+// `pixel_count` times four floats, R, G, B and A, `[height][width][4]` from light-map coordinate v = 0; not NULL.
+// `pixel_count`: width times height of `lightoven_baker_light_map`, and nothing else.
+//
+// # Safety
+// There is room for so many at `pixels`; nobody else uses the device's queues meanwhile, and no frame is under way.
+LightovenStatus lightoven_baker_read_back(LightovenBaker handle,
+                                          float *pixels,
+                                          size_t pixel_count);
+
+// Writes the light map as OpenEXR: R, G, B and A as 32-bit floats, with scene, seed, samples, device and version as attributes.
+// It is written beside and renamed. `path`: UTF-8, not NULL. Waits as `lightoven_baker_read_back` does.
+//
+// # Safety
+// `path` ends with a NUL; otherwise as `lightoven_baker_read_back`.
+LightovenStatus lightoven_baker_write_exr(LightovenBaker handle,
+                                          const char *path);
+
+// Writes a picture of the light map for the eye, as 8-bit PNG, its exposure chosen by its 99th percentile. Otherwise as
+// `lightoven_baker_write_exr`.
+//
+// # Safety
+// As `lightoven_baker_write_exr`.
+LightovenStatus lightoven_baker_write_png(LightovenBaker handle, const char *path);
+
+// Bakes a scene that stays as it is until `stop`, or until `callback` ends it; a later call goes on from there.
+//
+// `stop`: not NULL. `callback`: NULL for none. `user`: passed to it. `end`: set to a LightovenEnd where the call succeeds, or
+// NULL. INVALID_SETTINGS for a stop outside its range, and for one without any limit and without a callback, which would never
+// end.
+//
+// # Safety
+// `stop` is as its members say; `callback` may be called with `user`; `end` is NULL or may be written; nobody else uses the
+// device's queues meanwhile.
+LightovenStatus lightoven_baker_bake(LightovenBaker handle,
+                                     const LightovenStop *stop,
+                                     LightovenProgressCallback callback,
+                                     void *user,
+                                     uint32_t *end);
+
+// Records a frame's work into the engine's command buffer: about as much as the device does in `budget_ns`, and nothing for 0.
+// What the engine records afterwards sees the map that `lightoven_baker_light_map` then gives. `report`: filled in, its
+// `struct_size` set before, or NULL.
+//
+// # Safety
+// - The command buffer is primary, of the family of `LightovenGpuDesc::queue`, being recorded, and outside a rendering.
+// - Command buffers that one baker recorded into are submitted to that queue once each, in the order of recording. One that is
+//   thrown away takes its frame with it: the baker is then to be made anew.
+// - `report` is NULL or may be written.
+//
+// Afterwards pipeline, descriptor sets and push constants are others than before; nothing else is changed.
+LightovenStatus lightoven_baker_record(LightovenBaker handle,
+                                       VkCommandBuffer commands,
+                                       uint64_t budget_ns,
+                                       LightovenFrameReport *report);
+
+// Submits a frame's work to the queue for compute: about as much as the device does in `budget_ns`, and nothing for 0. It
+// begins when all of `wait` are reached; all of `signal` follow it, even where there was nothing to do. A map that it finishes is
+// given once the frame has been reported complete; a submission that uses the map waits for the frame's `signal`.
+//
+// `wait`, `signal`: `[wait_count]` and `[signal_count]`, NULL where the count is 0. `report`: filled in, its `struct_size` set
+// before, or NULL.
+//
+// # Safety
+// The semaphores are timeline semaphores of the device and live until the submission is done; a value to wait for is signalled at
+// some time, a value to signal is larger than the semaphore's then. Nobody else uses the queue meanwhile. `report` is NULL or may
+// be written.
+LightovenStatus lightoven_baker_submit(LightovenBaker handle,
+                                       uint64_t budget_ns,
+                                       const LightovenTimelinePoint *wait,
+                                       size_t wait_count,
+                                       const LightovenTimelinePoint *signal,
+                                       size_t signal_count,
+                                       LightovenFrameReport *report);
+
+// The engine reports: this frame and all before it have finished on the device, with all that used a light map in them.
+// `timing`: filled in, its `struct_size` set before, or NULL.
+//
+// # Safety
+// They have; `timing` is NULL or may be written.
+LightovenStatus lightoven_baker_complete(LightovenBaker handle, uint64_t frame, LightovenFrameTiming *timing);
+
+// The time of the next frame, nanoseconds from any beginning, with LIGHTOVEN_CLOCK_ENGINE. Time that runs backwards stands still.
+LightovenStatus lightoven_baker_set_time(LightovenBaker handle,
+                                         uint64_t now_ns);
+
+// Whether the cost model goes on learning from what frames take: 1, the default, for budgets that are kept; 0 for equal work with
+// equal budgets, whatever that takes.
+LightovenStatus lightoven_baker_set_learning(LightovenBaker handle,
+                                             uint32_t learns);
+
+// Moves an instance that was declared movable. `instance`: below the scene's `instance_count`. `object_to_world`: three rows of
+// four, as VkTransformMatrixKHR has them, in double precision; not NULL. Where it has not moved nothing happens.
+//
+// # Safety
+// There are 12 numbers at `object_to_world`.
+LightovenStatus lightoven_baker_set_transform(LightovenBaker handle,
+                                              uint32_t instance,
+                                              const double *object_to_world);
+
+// Takes a movable instance out of the scene (`present` 0) or puts it back (1).
+LightovenStatus lightoven_baker_set_present(LightovenBaker handle, uint32_t instance, uint32_t present);
+
+// Replaces a light; an intensity of 0 switches it off. `index`: below the scene's `light_count`. `value`: not NULL.
+//
+// # Safety
+// `value` is as its members say.
+LightovenStatus lightoven_baker_set_light(LightovenBaker handle, uint32_t index, const LightovenLight *value);
+
+// Changes what a material emits, before its texture. `material`: below the scene's `material_count`. `radiance`: linear
+// Rec. 709, three numbers of at least 0; not NULL.
+//
+// # Safety
+// There are three numbers at `radiance`.
+LightovenStatus lightoven_baker_set_emission(LightovenBaker handle, uint32_t material, const float *radiance);
+
+// Replaces the sky. A scene that was made with a map takes maps of its size; one without takes none. `value`: not NULL.
+//
+// # Safety
+// `value` is as its members say.
+LightovenStatus lightoven_baker_set_sky(LightovenBaker handle, const LightovenSky *value);
+
+// Takes a scene that has come to need more: its first light, texture or sky map, more lights, an object that begins to move.
+// Instances, meshes and light-map coordinates stay as they were. It waits for the device and takes about as long as making the
+// baker; the light that has been gathered stays on show.
+//
+// # Safety
+// No frame of the baker is under way; nobody else uses the device's queues meanwhile.
+LightovenStatus lightoven_baker_set_scene(LightovenBaker handle,
+                                          LightovenScene value);
+
+#ifdef __cplusplus
+}  // extern "C"
+#endif  // __cplusplus
+
+#endif  /* LIGHTOVEN_H */

@@ -1,0 +1,87 @@
+/* An engine in C: bakes at a stretch, and within 30 frames in which the square moves. engine FOLDER BACKEND */
+#include "engine.h"
+#include "scene.h"
+
+static void path_in(char *path, size_t size, const char *folder, const char *name) {
+    snprintf(path, size, "%s/%s", folder, name);
+}
+
+static int32_t count_calls(const LightovenProgress *progress, void *calls) {
+    if (progress->struct_size != sizeof *progress || progress->fraction < 0 || progress->fraction > 1) {
+        fail("progress", "is none");
+    }
+    *(int *)calls += 1;
+    return 0;
+}
+
+static void bake(Engine *engine, LightovenScene scene, const char *folder) {
+    LightovenBakeSettings settings = {.struct_size = sizeof settings};
+    LIGHTOVEN(lightoven_bake_settings_default(&settings));
+    settings.resolution = 64;
+    settings.seed = 7;
+    uint64_t bytes = 0;
+    LIGHTOVEN(lightoven_estimate_memory(scene, &settings, &bytes));
+    LightovenBaker baker = {0};
+    LIGHTOVEN(lightoven_baker_create(engine->gpu, scene, &settings, &baker));
+    LightovenStop stop = {.struct_size = sizeof stop, .samples = 128};
+    int calls = 0;
+    uint32_t end = LIGHTOVEN_END_INTERRUPTED;
+    LIGHTOVEN(lightoven_baker_bake(baker, &stop, count_calls, &calls, &end));
+    if (calls == 0 || end != LIGHTOVEN_END_FINISHED) {
+        fail("bake", "did not finish, or told nothing");
+    }
+    char path[4096];
+    path_in(path, sizeof path, folder, "still.bin");
+    write_pixels(baker, path);
+    path_in(path, sizeof path, folder, "still.exr");
+    LIGHTOVEN(lightoven_baker_write_exr(baker, path));
+    LightovenStatistics statistics = {.struct_size = sizeof statistics};
+    LIGHTOVEN(lightoven_baker_statistics(baker, &statistics));
+    printf("a stretch: %.0f samples a texel, %llu rays, estimated error %.2f %%, %.1f KiB\n",
+           statistics.samples_per_texel, (unsigned long long)statistics.rays, 100 * statistics.estimated_error,
+           (double)bytes / 1024);
+    LIGHTOVEN(lightoven_baker_destroy(baker));
+}
+
+static void frames(Engine *engine, LightovenScene scene, const char *folder) {
+    LightovenFrameSettings within = {.struct_size = sizeof within};
+    LIGHTOVEN(lightoven_frame_settings_default(&within));
+    within.clock = LIGHTOVEN_CLOCK_ENGINE;
+    within.quanta = 1;
+    LightovenBakeSettings settings = {.struct_size = sizeof settings};
+    LIGHTOVEN(lightoven_bake_settings_default(&settings));
+    settings.resolution = 64;
+    settings.frames = &within;
+    LightovenBaker baker = {0};
+    LIGHTOVEN(lightoven_baker_create(engine->gpu, scene, &settings, &baker));
+    LIGHTOVEN(lightoven_baker_set_learning(baker, 0));
+    uint64_t rays = 0, sweeps = 0;
+    for (int frame = 0; frame < 30; frame++) {
+        const double placed[] = {1, 0, 0, -.5 + frame / 32., 0, 1, 0, 0, 0, 0, 1, 1};
+        LIGHTOVEN(lightoven_baker_set_transform(baker, 2, placed));
+        LIGHTOVEN(lightoven_baker_set_time(baker, (uint64_t)frame * 16000000));
+        LightovenFrameReport report = record_frame(engine, baker, 1000000000);
+        rays += report.rays;
+        sweeps = report.sweeps;
+    }
+    char path[4096];
+    path_in(path, sizeof path, folder, "frames.bin");
+    write_pixels(baker, path);
+    printf("30 frames: %llu rays, %llu sweeps\n", (unsigned long long)rays, (unsigned long long)sweeps);
+    LIGHTOVEN(lightoven_baker_destroy(baker));
+}
+
+int main(int count, char **arguments) {
+    if (count != 3) {
+        fail("arguments", "FOLDER BACKEND");
+    }
+    Engine engine;
+    create_engine(&engine, (uint32_t)atoi(arguments[2]));
+    LightovenScene scene = {0};
+    LIGHTOVEN(lightoven_scene_create(&scene_desc, &scene));
+    bake(&engine, scene, arguments[1]);
+    frames(&engine, scene, arguments[1]);
+    LIGHTOVEN(lightoven_scene_destroy(scene));
+    destroy_engine(&engine);
+    return 0;
+}
