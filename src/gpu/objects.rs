@@ -13,6 +13,8 @@ pub struct Objects {
     pub buffers: BTreeMap<String, usize>,
     /// By what they hold.
     pub images: BTreeMap<String, usize>,
+    /// SPIR-V that the pipelines were made from, bytes.
+    pub spirv_bytes: u64,
 }
 
 impl Objects {
@@ -53,19 +55,24 @@ pub(super) struct Counted {
     ledger: Arc<Ledger>,
     kind: ObjectKind,
     name: String,
+    spirv_bytes: u64,
 }
 
 impl Counted {
-    fn new(ledger: &Arc<Ledger>, kind: ObjectKind, name: &str) -> Self {
+    fn new(ledger: &Arc<Ledger>, kind: ObjectKind, name: &str, spirv_bytes: u64) -> Self {
         let name = name.to_owned();
-        *ledger.lock().of(kind).entry(name.clone()).or_default() += 1;
-        Self { ledger: Arc::clone(ledger), kind, name }
+        let mut objects = ledger.lock();
+        *objects.of(kind).entry(name.clone()).or_default() += 1;
+        objects.spirv_bytes += spirv_bytes;
+        drop(objects);
+        Self { ledger: Arc::clone(ledger), kind, name, spirv_bytes }
     }
 }
 
 impl Drop for Counted {
     fn drop(&mut self) {
         let mut objects = self.ledger.lock();
+        objects.spirv_bytes -= self.spirv_bytes;
         let names = objects.of(self.kind);
         if let Some(count) = names.get_mut(&self.name) {
             *count -= 1;
@@ -85,7 +92,13 @@ impl Gpu {
 
     /// To be held by the object.
     pub(super) fn count(&self, kind: ObjectKind, name: &str) -> Counted {
-        Counted::new(&self.inner.ledger, kind, name)
+        Counted::new(&self.inner.ledger, kind, name, 0)
+    }
+
+    /// To be held by a pipeline of these modules.
+    pub(super) fn count_pipeline(&self, name: &str, modules: &[&[u32]]) -> Counted {
+        let bytes = modules.iter().map(|words| size_of_val(*words) as u64).sum();
+        Counted::new(&self.inner.ledger, ObjectKind::Pipeline, name, bytes)
     }
 }
 
@@ -97,15 +110,16 @@ mod tests {
     #[test]
     fn names_are_counted_while_they_live() {
         let ledger = Arc::new(Ledger::default());
-        let count = |kind, name| Counted::new(&ledger, kind, name);
+        let count = |kind, name| Counted::new(&ledger, kind, name, 8);
         let now = || ledger.lock().clone();
         let (first, second) = (count(ObjectKind::Buffer, "nodes"), count(ObjectKind::Buffer, "nodes"));
         let _image = count(ObjectKind::Image, "nodes");
         assert_eq!([now().buffers["nodes"], now().images["nodes"], now().count()], [2, 1, 3]);
+        assert_eq!(now().spirv_bytes, 24);
         drop(first);
         assert_eq!(now().buffers["nodes"], 1);
         drop(second);
         assert!(now().buffers.is_empty() && now().pipelines.is_empty());
-        assert_eq!(now().count(), 1);
+        assert_eq!((now().count(), now().spirv_bytes), (1, 8));
     }
 }

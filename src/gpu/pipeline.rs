@@ -3,7 +3,7 @@
 use super::bindings::{BindingSet, Resource, set_layout};
 use super::constants::Constants;
 use super::layout::Push;
-use super::objects::{Counted, ObjectKind};
+use super::objects::Counted;
 use super::shader::Shader;
 use super::{Gpu, vulkan_error};
 use crate::error::Result;
@@ -69,9 +69,9 @@ pub(super) struct Pipeline {
 }
 
 impl Pipeline {
-    fn new(gpu: &Gpu, name: &'static str, handle: vk::Pipeline, layout: Layout) -> Self {
+    fn new(gpu: &Gpu, name: &'static str, handle: vk::Pipeline, layout: Layout, modules: &[&[u32]]) -> Self {
         gpu.name(handle, name);
-        Self { gpu: gpu.clone(), name, handle, layout, _counted: gpu.count(ObjectKind::Pipeline, name) }
+        Self { gpu: gpu.clone(), name, handle, layout, _counted: gpu.count_pipeline(name, modules) }
     }
 
     fn bind(&self, resources: &[(u32, Resource<'_>)]) -> Result<BindingSet> {
@@ -137,7 +137,7 @@ impl ComputePipeline {
             let info = vk::ComputePipelineCreateInfo::default().stage(stage).layout(layout.handle);
             // SAFETY: the layout has every binding that the shader uses (layout/tests.rs), the module is alive.
             let made = unsafe { gpu.device().create_compute_pipelines(gpu.pipelines_kept(), &[info], None) };
-            Ok(Pipeline::new(gpu, shader.name, first(made, shader.name)?, layout))
+            Ok(Pipeline::new(gpu, shader.name, first(made, shader.name)?, layout, &[&words]))
         };
         gpu.inner.pipelines.get_or_make(key, make).map(Self)
     }
@@ -183,7 +183,7 @@ impl RasterPipeline {
             let stages = vk::ShaderStageFlags::VERTEX | vk::ShaderStageFlags::FRAGMENT;
             let layout = Layout::new(gpu, desc.name, stages, resources)?;
             let handle = Self::create(gpu, desc, &words, key.constants, &layout)?;
-            Ok(Pipeline::new(gpu, desc.name, handle, layout))
+            Ok(Pipeline::new(gpu, desc.name, handle, layout, &[&words[0], &words[1]]))
         };
         gpu.inner.pipelines.get_or_make(key, make).map(Self)
     }

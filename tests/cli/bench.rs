@@ -100,3 +100,26 @@ fn bad_usage_is_named_with_what_is_allowed() {
     assert_eq!(found.code, Some(2), "{found:?}");
     assert!(found.stderr.contains("same file as the scene"), "{found:?}");
 }
+
+#[test]
+fn features_tell_what_each_of_them_costs() {
+    let folder = Folder::new();
+    let more = ["--features", "--backend", "software", "--rounds", "2", "--report", &folder.text("r.json")];
+    let small = ["--resolution", "32", "--rays", "20000"];
+    let found = run(["bench", &asset("furnace.gltf")].iter().chain(&more).chain(&small));
+    assert_eq!(found.code, Some(0), "{found:?}");
+    assert_says(&found.stdout, &["switched on", "none", "instances", "sky_map", "all"]);
+    let report = json(&folder.path("r.json"));
+    let rows = report["rows"].as_array().unwrap();
+    let names = |row: &Value| row["switched_on"].as_array().unwrap().len();
+    let (least, most) = (&rows[0], rows.last().unwrap());
+    assert!(names(least) == 0 && names(most) == rows.len() - 2, "{report}");
+    for row in rows {
+        assert_spread(&row["mrays_per_s"]);
+        assert_spread(&row["time_ratio"]);
+        assert!(number(&row["bytes"]) >= number(&least["bytes"]), "{report}");
+        assert!(number(&row["spirv_bytes"]) >= number(&least["spirv_bytes"]), "{report}");
+    }
+    assert!(number(&most["bytes"]) > number(&least["bytes"]) * 1.2, "{report}");
+    assert!(number(&most["spirv_bytes"]) > number(&least["spirv_bytes"]) * 1.2, "{report}");
+}

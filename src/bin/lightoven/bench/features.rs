@@ -53,6 +53,8 @@ struct Row {
     least_bytes: u64,
     /// Making the pipelines and using each of them once, seconds: next to nothing where the driver has kept them.
     compile_seconds: f64,
+    /// SPIR-V of the pipelines, bytes.
+    spirv_bytes: u64,
 }
 
 /// A bake that goes on round by round.
@@ -60,8 +62,16 @@ struct Subject {
     switched_on: Features,
     baker: Baker,
     bytes: u64,
+    pipelines: Pipelines,
     /// Seconds and rays of each round.
     rounds: Vec<(f64, u64)>,
+}
+
+/// What the pipelines take of a bake that is alone on its device.
+#[derive(Debug, Clone, Copy, Default)]
+struct Pipelines {
+    compile_seconds: f64,
+    spirv_bytes: u64,
 }
 
 /// Nothing that the scene is not known to need.
@@ -80,10 +90,13 @@ impl Subject {
     fn new(gpu: &Gpu, arguments: &Bench, scene: &Scene, switched_on: Features) -> Result<Self> {
         let settings = settings(arguments, switched_on);
         let bytes = estimate_memory(scene, &settings)?.1.most();
-        let mut subject = Self { switched_on, baker: Baker::new(gpu, scene, &settings)?, bytes, rounds: Vec::new() };
+        let (baker, rounds) = (Baker::new(gpu, scene, &settings)?, Vec::new());
+        let mut subject = Self { switched_on, baker, bytes, pipelines: Pipelines::default(), rounds };
         // Past the bounces, and what compiles at its first use.
         subject.round(1)?;
         subject.rounds.clear();
+        let compile_seconds = subject.baker.statistics().seconds.compile;
+        subject.pipelines = Pipelines { compile_seconds, spirv_bytes: gpu.objects().spirv_bytes };
         Ok(subject)
     }
 
@@ -110,7 +123,8 @@ impl Subject {
             time_ratio: Spread::of(ratios)?,
             bytes: self.bytes,
             least_bytes: least.bytes,
-            compile_seconds: self.baker.statistics().seconds.compile,
+            compile_seconds: self.pipelines.compile_seconds,
+            spirv_bytes: self.pipelines.spirv_bytes,
         })
     }
 }
@@ -128,14 +142,23 @@ pub(super) fn measure(arguments: &Bench, scene: &Scene, bar: &Bar, start: Instan
         let context = "the scene needs all that could be left out: there is nothing to measure";
         return Err(Error::new(ErrorKind::InvalidSettings, context));
     }
-    let each = std::iter::once(Features::empty()).chain(unneeded.iter()).chain([unneeded]);
+    let each: Vec<_> = std::iter::once(Features::empty()).chain(unneeded.iter()).chain([unneeded]).collect();
+    // Each alone first: bakers that live at a time share their pipelines.
+    let mut alone = Vec::new();
+    for switched_on in &each {
+        if interrupt::requested() {
+            return Ok(None);
+        }
+        bar.say(format!("compiling {switched_on:?}"));
+        alone.push(Subject::new(gpu, arguments, scene, *switched_on)?.pipelines);
+    }
     let mut subjects = Vec::new();
-    for switched_on in each {
+    for (switched_on, pipelines) in each.into_iter().zip(alone) {
         if interrupt::requested() {
             return Ok(None);
         }
         bar.say(format!("preparing {switched_on:?}"));
-        subjects.push(Subject::new(gpu, arguments, scene, switched_on)?);
+        subjects.push(Subject { pipelines, ..Subject::new(gpu, arguments, scene, switched_on)? });
     }
     // The same work in every round and for all: about as many rays as asked for.
     let texels = subjects[0].baker.statistics().texels;
@@ -168,14 +191,17 @@ impl Report {
         let Self { scene, device, driver, backend, texels, rounds, .. } = self;
         let mut text = format!(
             "scene    {scene}, {texels} texels\ndevice   {device}, {driver}, {backend}\nrounds   {rounds}; time and bytes are \
-             those of a bake without any of it, and what is added\n"
+             those of a bake without any of it, and what is added, SPIR-V in KiB and compiling those of all its pipelines\n"
         );
-        let mut line = |cells: [&str; 7]| {
-            let [name, mrays, pass, ratio, spread, bytes, compile] = cells;
+        let mut line = |cells: [&str; 8]| {
+            let [name, mrays, pass, ratio, spread, bytes, spirv, compile] = cells;
             // Writing to a string cannot fail.
-            let _ = writeln!(text, "{name:<16}{mrays:>9}{pass:>10}{ratio:>9}  {spread:<16}{bytes:>12}{compile:>11}");
+            let _ = writeln!(
+                text,
+                "{name:<16}{mrays:>9}{pass:>10}{ratio:>9}  {spread:<16}{bytes:>9}{spirv:>7}{compile:>11}"
+            );
         };
-        line(["switched on", "Mrays/s", "pass ms", "time", "", "KiB", "compile s"]);
+        line(["switched on", "Mrays/s", "pass ms", "time", "", "KiB", "SPIR-V", "compile s"]);
         for row in &self.rows {
             let name = match row.switched_on.as_slice() {
                 [] => "none".to_owned(),
@@ -198,6 +224,7 @@ impl Report {
                 &time,
                 &spread,
                 &kib,
+                &(row.spirv_bytes / 1024).to_string(),
                 &format!("{:.2}", row.compile_seconds),
             ]);
         }
