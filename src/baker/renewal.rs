@@ -41,6 +41,7 @@ impl Baker {
             )));
         }
         let estimate = MemoryEstimate::of_bake(scene, &atlas, &settings);
+        estimate.check(atlas.size.to_array(), core.gpu.info())?;
         let mut bvh = Bvh::build_for(scene, &atlas, Motion::OfMovables)?;
         let statistics = core.statistics.clone();
         let features = estimate.features;

@@ -1,9 +1,10 @@
 //! A running baker whose scene comes to need what was left out.
 
+use crate::engine::Engine;
 use crate::live::Live;
 use crate::stage::{Chart, Facing, Quad, SIDE, Stage, level_square};
 use glam::{DAffine3, DVec3};
-use lightoven::baker::{BakeSettings, Baker, FrameSettings, LightMap, Sampling};
+use lightoven::baker::{BakeSettings, Baker, FrameSettings, LightMap, Mode, Sampling, estimate_memory};
 use lightoven::gpu::BackendChoice;
 use lightoven::scene::{LightKind, Mobility, Resolution, Scene, Texture, TextureUse, Wrap};
 use lightoven::{ErrorKind, Features};
@@ -171,3 +172,36 @@ on_both_back_ends!(
     nothing_changes,
     what_does_not_fit_is_refused,
 );
+
+/// What a baker for frames takes of the device's memory was told before: within 5 %, and 10 % where the driver alone knows how
+/// large its acceleration structures are.
+fn memory_is_as_estimated(backend: BackendChoice) {
+    let Some(engine) = Engine::new(backend) else { return };
+    for with in [With::Nothing, With::Light, With::MovingSquare, With::TexturedLamp] {
+        for sampling in [Sampling::Cosine, Sampling::Auto] {
+            let mode = Mode::Frames(FrameSettings::default());
+            let resolution = Resolution::Texels(256);
+            let settings = BakeSettings { resolution, sampling, mode, ..BakeSettings::default() };
+            let (scene, before) = (scene(with), engine.gpu().allocated_bytes());
+            let estimate = estimate_memory(&scene, &settings).unwrap().1;
+            let baker = Baker::new(engine.gpu(), &scene, &settings).unwrap();
+            let taken = engine.gpu().allocated_bytes() - before;
+            let off = estimate.total() as f64 / taken as f64 - 1.0;
+            let allowed = if backend == BackendChoice::Software { 0.05 } else { 0.1 };
+            println!("{with:?}, {sampling}: {taken} bytes, told {:+.2} %", 100.0 * off);
+            assert!(off.abs() < allowed, "{with:?}, {sampling}: {off:+.3} of {taken}: {:?}", estimate.parts);
+            drop(baker);
+        }
+    }
+    engine.finish();
+}
+
+#[test]
+fn memory_is_as_estimated_software() {
+    memory_is_as_estimated(BackendChoice::Software);
+}
+
+#[test]
+fn memory_is_as_estimated_ray_query() {
+    memory_is_as_estimated(BackendChoice::RayQuery);
+}
