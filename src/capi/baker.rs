@@ -1,9 +1,9 @@
 //! A baker: made, read, destroyed. `still.rs` bakes at a stretch, `frames.rs` within frames, `changes.rs` tells of changes.
 
 use super::arguments::{check_result, give_text, required_text, structures, write};
-use super::gpu::{LightovenGpu, gpu};
+use super::gpu::{LightovenGpu, gpu_of};
 use super::handles::Registry;
-use super::scene::{LightovenScene, scene};
+use super::scene::{LightovenScene, scene_of};
 use super::settings::{LightovenBakeSettings, bake_settings};
 use super::status::{Failure, LightovenStatus, Outcome, guard};
 use super::vulkan::{VkFormat, VkImage, VkImageLayout, VkImageView};
@@ -30,7 +30,7 @@ pub(super) struct Held {
     pub(super) baker: Baker,
     /// Of submissions, kept so that frames allocate nothing.
     pub(super) points: [Vec<TimelinePoint>; 2],
-    metadata: Metadata,
+    pub(super) metadata: Metadata,
     /// Goes last, and keeps its handle from being destroyed.
     _gpu: Arc<Gpu>,
 }
@@ -38,21 +38,19 @@ pub(super) struct Held {
 pub(super) static BAKERS: Registry<Mutex<Held>> = Registry::new("baker");
 
 /// Works on a baker, for this call alone.
-pub(super) fn with<T>(handle: LightovenBaker, work: impl FnOnce(&mut Held) -> Outcome<T>) -> Outcome<T> {
-    let held = BAKERS.get(handle.id)?;
-    let mut guard: MutexGuard<'_, Held> = match held.try_lock() {
-        Ok(guard) => guard,
-        Err(TryLockError::WouldBlock) => {
-            return Err(Failure::in_use(format!("the baker {} is in use by another call", handle.id)));
+pub(super) fn with<T>(baker: LightovenBaker, work: impl FnOnce(&mut Held) -> Outcome<T>) -> Outcome<T> {
+    let held = BAKERS.get(baker.id)?;
+    work(&mut *alone(&held, baker.id)?)
+}
+
+/// What a handle stands for, where no other call works on it and none has broken it.
+fn alone<T>(held: &Mutex<T>, id: u64) -> Outcome<MutexGuard<'_, T>> {
+    held.try_lock().map_err(|error| match error {
+        TryLockError::WouldBlock => Failure::in_use(format!("the baker {id} is in use by another call")),
+        TryLockError::Poisoned(_) => {
+            Failure::internal(format!("the baker {id} broke in an earlier call; it can only be destroyed"))
         }
-        Err(TryLockError::Poisoned(_)) => {
-            let id = handle.id;
-            return Err(Failure::internal(format!(
-                "the baker {id} broke in an earlier call; it can only be destroyed"
-            )));
-        }
-    };
-    work(&mut guard)
+    })
 }
 
 /// Makes a baker. `settings`: NULL for the defaults. `baker`: not NULL, written only where the call succeeds. It waits for the
@@ -62,14 +60,14 @@ pub(super) fn with<T>(handle: LightovenBaker, work: impl FnOnce(&mut Held) -> Ou
 /// `settings` is NULL or as its members say; `baker` may be written; nobody else uses the device's queues meanwhile.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn lightoven_baker_create(
-    device: LightovenGpu,
-    described: LightovenScene,
+    gpu: LightovenGpu,
+    scene: LightovenScene,
     settings: *const LightovenBakeSettings,
     baker: *mut LightovenBaker,
 ) -> LightovenStatus {
     guard(|| {
         check_result(baker, "the baker's place")?;
-        let (gpu, scene) = (gpu(device)?, scene(described)?);
+        let (gpu, scene) = (gpu_of(gpu)?, scene_of(scene)?);
         // SAFETY: by the caller's word.
         let settings = unsafe { bake_settings(settings)? };
         let metadata = Metadata {
@@ -87,7 +85,7 @@ pub unsafe extern "C" fn lightoven_baker_create(
     })
 }
 
-/// Destroys a baker, without waiting. Nothing happens for the null handle.
+/// Destroys a baker, without waiting. Nothing happens for the null handle. IN_USE while another call works on it.
 ///
 /// # Safety
 /// Every frame that it recorded or submitted, and every frame that uses one of its light maps, has finished on the device.
@@ -111,7 +109,8 @@ pub struct LightovenLightMap {
     pub generation: u64,
     /// Sweeps over all texels that it holds. Always 0 for a scene that stays as it is.
     pub sweeps: u64,
-    /// RGB: irradiance, linear Rec. 709, scene units; A: 1 where the texel lies on a surface, else 0. Gutters are filled.
+    /// VK_FORMAT_R32G32B32A32_SFLOAT. RGB: irradiance, linear Rec. 709, scene units; A: 1 where the texel lies on a surface, else 0.
+    /// Gutters are filled. Not every device filters such images linearly.
     pub format: VkFormat,
     /// The layout that the image is in, now and always.
     pub layout: VkImageLayout,
@@ -147,7 +146,7 @@ pub struct LightovenStatistics {
     pub warning_count: u32,
 }
 
-structures!(LightovenLightMap, LightovenStatistics);
+structures!(LightovenLightMap = [56], LightovenStatistics = [64]);
 
 /// Gives the newest finished light map. `light_map`: not NULL; its `struct_size` is set before. With a scene that stays as it is
 /// there is one, which `lightoven_baker_read_back` finishes.
@@ -156,11 +155,11 @@ structures!(LightovenLightMap, LightovenStatistics);
 /// `light_map` may be written.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn lightoven_baker_light_map(
-    handle: LightovenBaker,
+    baker: LightovenBaker,
     light_map: *mut LightovenLightMap,
 ) -> LightovenStatus {
     guard(|| {
-        let newest = with(handle, |held| Ok(held.baker.light_map()))?;
+        let newest = with(baker, |held| Ok(held.baker.light_map()))?;
         let filled = LightovenLightMap {
             struct_size: size_of::<LightovenLightMap>(),
             image: newest.image,
@@ -183,11 +182,11 @@ pub unsafe extern "C" fn lightoven_baker_light_map(
 /// `statistics` may be written.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn lightoven_baker_statistics(
-    handle: LightovenBaker,
+    baker: LightovenBaker,
     statistics: *mut LightovenStatistics,
 ) -> LightovenStatus {
     guard(|| {
-        let filled = with(handle, |held| {
+        let filled = with(baker, |held| {
             let done = held.baker.statistics();
             Ok(LightovenStatistics {
                 struct_size: size_of::<LightovenStatistics>(),
@@ -214,14 +213,14 @@ pub unsafe extern "C" fn lightoven_baker_statistics(
 /// As `lightoven_scene_text`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn lightoven_baker_warning(
-    handle: LightovenBaker,
+    baker: LightovenBaker,
     index: u32,
     buffer: *mut c_char,
     capacity: usize,
     length: *mut usize,
 ) -> LightovenStatus {
     guard(|| {
-        with(handle, |held| {
+        with(baker, |held| {
             let warnings = &held.baker.statistics().warnings;
             let Some(warning) = warnings.get(index as usize) else {
                 let count = warnings.len();
@@ -241,13 +240,13 @@ pub unsafe extern "C" fn lightoven_baker_warning(
 /// There is room for so many at `pixels`; nobody else uses the device's queues meanwhile, and no frame is under way.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn lightoven_baker_read_back(
-    handle: LightovenBaker,
+    baker: LightovenBaker,
     pixels: *mut f32,
     pixel_count: usize,
 ) -> LightovenStatus {
     guard(|| {
         check_result(pixels, "the pixels")?;
-        let pixel_list = with(handle, |held| {
+        let pixel_list = with(baker, |held| {
             let [width, height] = held.baker.light_map().size;
             let expected = width as usize * height as usize;
             if pixel_count != expected {
@@ -268,11 +267,11 @@ pub unsafe extern "C" fn lightoven_baker_read_back(
 /// # Safety
 /// `path` ends with a NUL; otherwise as `lightoven_baker_read_back`.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn lightoven_baker_write_exr(handle: LightovenBaker, path: *const c_char) -> LightovenStatus {
+pub unsafe extern "C" fn lightoven_baker_write_exr(baker: LightovenBaker, path: *const c_char) -> LightovenStatus {
     guard(|| {
         // SAFETY: by the caller's word.
         let path = unsafe { required_text(path, "the path")? };
-        let (light_map, metadata) = read_back_with_metadata(handle)?;
+        let (light_map, metadata) = read_back_with_metadata(baker)?;
         Ok(exr::write_light_map(Path::new(&path), &light_map, &metadata)?)
     })
 }
@@ -283,18 +282,39 @@ pub unsafe extern "C" fn lightoven_baker_write_exr(handle: LightovenBaker, path:
 /// # Safety
 /// As `lightoven_baker_write_exr`.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn lightoven_baker_write_png(handle: LightovenBaker, path: *const c_char) -> LightovenStatus {
+pub unsafe extern "C" fn lightoven_baker_write_png(baker: LightovenBaker, path: *const c_char) -> LightovenStatus {
     guard(|| {
         // SAFETY: by the caller's word.
         let path = unsafe { required_text(path, "the path")? };
-        let (light_map, _) = read_back_with_metadata(handle)?;
+        let (light_map, _) = read_back_with_metadata(baker)?;
         Ok(preview::write_preview(Path::new(&path), &light_map)?)
     })
 }
 
-fn read_back_with_metadata(handle: LightovenBaker) -> Outcome<(LightMap, Metadata)> {
-    with(handle, |held| {
+fn read_back_with_metadata(baker: LightovenBaker) -> Outcome<(LightMap, Metadata)> {
+    with(baker, |held| {
         let light_map = held.baker.read_back()?;
         Ok((light_map, Metadata { samples: held.baker.statistics().samples_per_texel, ..held.metadata.clone() }))
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_broke_or_is_in_use_is_told() {
+        let held = Mutex::new(1);
+        let text = |held: &Mutex<i32>| alone(held, 7).map(|_| ()).map_err(|failure| failure.to_string());
+        assert_eq!(text(&held), Ok(()));
+        let used = held.lock().expect("is free");
+        assert_eq!(text(&held), Err("the baker 7 is in use by another call".into()));
+        drop(used);
+        let broken = std::panic::catch_unwind(|| {
+            let _held = held.lock();
+            panic!("half way");
+        });
+        assert!(broken.is_err());
+        assert_eq!(text(&held), Err("the baker 7 broke in an earlier call; it can only be destroyed".into()));
+    }
 }

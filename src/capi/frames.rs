@@ -1,6 +1,6 @@
 //! Baking within an engine's frames.
 
-use super::arguments::{each, structures, write_wanted};
+use super::arguments::{check_result, choose, each, structures, write_wanted};
 use super::baker::{Held, LightovenBaker, with};
 use super::settings::{LightovenMeasure, nanoseconds};
 use super::status::{Failure, LightovenStatus, Outcome, guard};
@@ -86,7 +86,15 @@ pub struct LightovenTimelinePoint {
     pub value: u64,
 }
 
-structures!(LightovenFrameReport, LightovenFrameTiming, LightovenTimelinePoint);
+structures!(LightovenFrameReport = [72], LightovenFrameTiming = [32], LightovenTimelinePoint = [24]);
+
+const NOT_MEASURED: LightovenFrameTiming = LightovenFrameTiming {
+    struct_size: size_of::<LightovenFrameTiming>(),
+    frame: 0,
+    bake_ns: 0,
+    measured_by: LightovenMeasure::Nothing as u32,
+    first_use: 0,
+};
 
 fn told(report: &FrameReport) -> LightovenFrameReport {
     LightovenFrameReport {
@@ -105,8 +113,11 @@ fn told(report: &FrameReport) -> LightovenFrameReport {
 }
 
 /// Records a frame's work into the engine's command buffer: about as much as the device does in `budget_ns`, and nothing for 0.
-/// What the engine records afterwards sees the map that `lightoven_baker_light_map` then gives. `report`: filled in, its
-/// `struct_size` set before, or NULL.
+/// What the engine records afterwards sees the map that `lightoven_baker_light_map` then gives; drawing that reads it elsewhere
+/// than in fragment or compute shaders needs a barrier of its own. `report`: filled in, its `struct_size` set before, or NULL.
+///
+/// INVALID_SETTINGS after `lightoven_baker_submit`: a baker stays with one of the two. After UNSUPPORTED or DRIVER from the device
+/// the baker can only be destroyed.
 ///
 /// # Safety
 /// - The command buffer is primary, of the family of `LightovenGpuDesc::queue`, being recorded, and outside a rendering.
@@ -117,7 +128,7 @@ fn told(report: &FrameReport) -> LightovenFrameReport {
 /// Afterwards pipeline, descriptor sets and push constants are others than before; nothing else is changed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn lightoven_baker_record(
-    handle: LightovenBaker,
+    baker: LightovenBaker,
     commands: VkCommandBuffer,
     budget_ns: u64,
     report: *mut LightovenFrameReport,
@@ -126,7 +137,7 @@ pub unsafe extern "C" fn lightoven_baker_record(
         if commands.is_null() {
             return Err(Failure::argument("the command buffer is VK_NULL_HANDLE"));
         }
-        with(handle, |held| {
+        with(baker, |held| {
             // A report that is refused is refused before anything is recorded.
             // SAFETY: it may be written by the caller's word.
             unsafe { write_wanted(report, "the report", &told(&FrameReport::default()))? };
@@ -143,8 +154,9 @@ pub unsafe extern "C" fn lightoven_baker_record(
 /// begins when all of `wait` are reached; all of `signal` follow it, even where there was nothing to do. A map that it finishes is
 /// given once the frame has been reported complete; a submission that uses the map waits for the frame's `signal`.
 ///
-/// `wait`, `signal`: `[wait_count]` and `[signal_count]`, NULL where the count is 0. `report`: filled in, its `struct_size` set
-/// before, or NULL.
+/// `wait`, `signal`: `[wait_count]` and `[signal_count]`, NULL where the count is 0; at most 2^32 - 1 each. `report`: filled in, its
+/// `struct_size` set before, or NULL. INVALID_SETTINGS after `lightoven_baker_record`. After DEVICE_LOST, OUT_OF_MEMORY or DRIVER
+/// from the device the baker can only be destroyed.
 ///
 /// # Safety
 /// The semaphores are timeline semaphores of the device and live until the submission is done; a value to wait for is signalled at
@@ -152,7 +164,7 @@ pub unsafe extern "C" fn lightoven_baker_record(
 /// be written.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn lightoven_baker_submit(
-    handle: LightovenBaker,
+    baker: LightovenBaker,
     budget_ns: u64,
     wait: *const LightovenTimelinePoint,
     wait_count: usize,
@@ -161,7 +173,7 @@ pub unsafe extern "C" fn lightoven_baker_submit(
     report: *mut LightovenFrameReport,
 ) -> LightovenStatus {
     guard(|| {
-        with(handle, |held| {
+        with(baker, |held| {
             let Held { baker, points: [waits, signals], .. } = held;
             // SAFETY: the lists are there, and the report may be written, by the caller's word.
             unsafe {
@@ -204,22 +216,25 @@ unsafe fn points(
 /// They have; `timing` is NULL or may be written.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn lightoven_baker_complete(
-    handle: LightovenBaker,
+    baker: LightovenBaker,
     frame: u64,
     timing: *mut LightovenFrameTiming,
 ) -> LightovenStatus {
     guard(|| {
-        let taken = with(handle, |held| Ok(held.baker.complete(FrameId(frame))?))?;
+        // A timing that is refused is refused before the frame is complete.
+        // SAFETY: it may be written by the caller's word.
+        unsafe { write_wanted(timing, "the timing", &NOT_MEASURED)? };
+        let taken = with(baker, |held| Ok(held.baker.complete(FrameId(frame))?))?;
         let measured_by = taken.map_or(LightovenMeasure::Nothing, |taken| match taken.measured_by {
             MeasuredBy::Timestamps => LightovenMeasure::Timestamps,
             MeasuredBy::Host => LightovenMeasure::Host,
         });
         let filled = LightovenFrameTiming {
-            struct_size: size_of::<LightovenFrameTiming>(),
             frame,
             bake_ns: taken.map_or(0, |taken| nanoseconds(taken.bake)),
             measured_by: measured_by as u32,
             first_use: u32::from(taken.is_some_and(|taken| taken.first_use)),
+            ..NOT_MEASURED
         };
         // SAFETY: it may be written by the caller's word.
         unsafe { write_wanted(timing, "the timing", &filled) }
@@ -228,16 +243,35 @@ pub unsafe extern "C" fn lightoven_baker_complete(
 
 /// The time of the next frame, nanoseconds from any beginning, with LIGHTOVEN_CLOCK_ENGINE. Time that runs backwards stands still.
 #[unsafe(no_mangle)]
-pub extern "C" fn lightoven_baker_set_time(handle: LightovenBaker, now_ns: u64) -> LightovenStatus {
-    guard(|| with(handle, |held| Ok(held.baker.set_time(Duration::from_nanos(now_ns))?)))
+pub extern "C" fn lightoven_baker_set_time(baker: LightovenBaker, now_ns: u64) -> LightovenStatus {
+    guard(|| with(baker, |held| Ok(held.baker.set_time(Duration::from_nanos(now_ns))?)))
 }
 
-/// Whether the cost model goes on learning from what frames take: 1, the default, for budgets that are kept; 0 for equal work with
+/// Whether the cost model goes on learning from what frames take. `learns`: 1, the default, for budgets that are kept; 0 for equal work with
 /// equal budgets, whatever that takes.
 #[unsafe(no_mangle)]
-pub extern "C" fn lightoven_baker_set_learning(handle: LightovenBaker, learns: u32) -> LightovenStatus {
+pub extern "C" fn lightoven_baker_set_learning(baker: LightovenBaker, learns: u32) -> LightovenStatus {
     guard(|| {
-        let learning = super::arguments::choose(learns, "learning", &[Learning::Held, Learning::On])?;
-        with(handle, |held| Ok(held.baker.set_learning(learning)?))
+        let learning = choose(learns, "learning", &[Learning::Held, Learning::On])?;
+        with(baker, |held| Ok(held.baker.set_learning(learning)?))
+    })
+}
+
+/// Rays that a frame of this budget has for each texel, as far as is known. `samples`: not NULL; 0 for a scene that stays as it is.
+///
+/// # Safety
+/// `samples` may be written.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn lightoven_baker_samples_per_texel(
+    baker: LightovenBaker,
+    budget_ns: u64,
+    samples: *mut f64,
+) -> LightovenStatus {
+    guard(|| {
+        check_result(samples, "the samples' place")?;
+        let known = with(baker, |held| Ok(held.baker.samples_per_texel(Duration::from_nanos(budget_ns))))?;
+        // SAFETY: it may be written by the caller's word.
+        unsafe { samples.write(known) };
+        Ok(())
     })
 }

@@ -1,6 +1,6 @@
 //! An engine's device.
 
-use super::arguments::{check_result, choose, names, read, slice, structures, write};
+use super::arguments::{check_result, choose, give_text, names, read, slice, structures, write};
 use super::handles::Registry;
 use super::status::{Failure, LightovenStatus, Outcome, guard};
 use super::vulkan::{PFN_vkGetInstanceProcAddr, VkDevice, VkInstance, VkPhysicalDevice, VkQueue};
@@ -49,6 +49,8 @@ pub enum LightovenDeviceFeature {
     RayQuery = 64,
 }
 
+/// Room for the name of a device or driver, bytes.
+pub const LIGHTOVEN_NAME_SIZE: usize = 256;
 /// Room for names of extensions.
 pub const LIGHTOVEN_MOST_EXTENSIONS: usize = 8;
 
@@ -103,7 +105,8 @@ pub struct LightovenGpuDesc {
     /// At most 2^32 - 1.
     pub device_extension_count: usize,
     /// What `lightoven_gpu_pipeline_cache` gave, perhaps in an earlier run. Bytes of another device or driver, or damaged ones,
-    /// are left aside with a warning. NULL where the size is 0.
+    /// are left aside with a warning. NULL where the size is 0. Nothing but those bytes: who makes up others with a right checksum
+    /// hands them to the driver.
     pub pipeline_cache: *const c_void,
     /// Bytes; at most 2^32 - 1.
     pub pipeline_cache_size: usize,
@@ -113,15 +116,15 @@ pub struct LightovenGpuDesc {
     pub backend: u32,
 }
 
-structures!(LightovenRequirements, LightovenGpuDesc);
+structures!(LightovenRequirements = [88], LightovenGpuDesc = [120]);
 
 pub(super) static GPUS: Registry<Gpu> = Registry::new("GPU");
 
 const BACKENDS: [BackendChoice; 3] = [BackendChoice::Auto, BackendChoice::Software, BackendChoice::RayQuery];
 
 /// The device that a handle stands for.
-pub(super) fn gpu(handle: LightovenGpu) -> Outcome<Arc<Gpu>> {
-    GPUS.get(handle.id)
+pub(super) fn gpu_of(gpu: LightovenGpu) -> Outcome<Arc<Gpu>> {
+    GPUS.get(gpu.id)
 }
 
 fn check_handle(handle: impl Handle, what: &str) -> Outcome {
@@ -162,6 +165,9 @@ pub unsafe extern "C" fn lightoven_requirements(
             device_extension_count: 0,
             device_extensions: [std::ptr::null(); LIGHTOVEN_MOST_EXTENSIONS],
         };
+        if needed.device_extensions.len() > LIGHTOVEN_MOST_EXTENSIONS {
+            return Err(Failure::internal("there is no room for the names of all extensions"));
+        }
         for (place, name) in filled.device_extensions.iter_mut().zip(&needed.device_extensions) {
             *place = name.as_ptr();
             filled.device_extension_count += 1;
@@ -178,14 +184,16 @@ fn code(backend: Backend) -> LightovenBackend {
     }
 }
 
-/// Takes an engine's device. `desc`, `gpu`: not NULL. `gpu` is written only where the call succeeds.
+/// Takes an engine's device. `desc`, `gpu`: not NULL. `gpu` is written only where the call succeeds. UNSUPPORTED names an
+/// extension or feature that is required and was not enabled.
 ///
 /// # Safety
 /// - `desc` and what it points to are as its members say; the handles are valid and belong together; extensions and features
 ///   are those that the device was created with.
 /// - All of them outlive the LightovenGpu.
-/// - Nobody else uses the queues during `lightoven_baker_create`, `_bake`, `_read_back`, `_write_exr` and `_set_scene`, nor the
-///   queue for compute during `lightoven_baker_submit`: Vulkan wants one thread at a time there.
+/// - The engine does not use the queues during `lightoven_baker_create`, `_bake`, `_read_back`, `_write_exr`, `_write_png` and
+///   `_set_scene`, nor the queue for compute during `lightoven_baker_submit`: Vulkan wants one thread at a time there. Calls of
+///   lightoven's for bakers of one LightovenGpu may come from several threads, and wait for each other.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn lightoven_gpu_create(
     desc: *const LightovenGpuDesc,
@@ -248,24 +256,34 @@ pub struct LightovenGpuInfo {
     pub pipelines: u32,
     /// Device memory that buffers and images of lightoven hold, bytes.
     pub allocated_bytes: u64,
+    /// The device's name, UTF-8, ended by a NUL.
+    pub name: [c_char; LIGHTOVEN_NAME_SIZE],
+    /// The driver's name and version, UTF-8, ended by a NUL; cut short where it is longer.
+    pub driver: [c_char; LIGHTOVEN_NAME_SIZE],
 }
 
-structures!(LightovenGpuInfo);
+structures!(LightovenGpuInfo = [536]);
 
 /// Tells what a device holds. `info`: not NULL; its `struct_size` is set before.
 ///
 /// # Safety
 /// `info` may be written.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn lightoven_gpu_info(handle: LightovenGpu, info: *mut LightovenGpuInfo) -> LightovenStatus {
+pub unsafe extern "C" fn lightoven_gpu_info(gpu: LightovenGpu, info: *mut LightovenGpuInfo) -> LightovenStatus {
     guard(|| {
-        let gpu = gpu(handle)?;
-        let filled = LightovenGpuInfo {
+        let gpu = gpu_of(gpu)?;
+        let mut filled = LightovenGpuInfo {
             struct_size: size_of::<LightovenGpuInfo>(),
             backend: code(gpu.backend()) as u32,
             pipelines: gpu.objects().pipelines.len() as u32,
             allocated_bytes: gpu.allocated_bytes(),
+            name: [0; LIGHTOVEN_NAME_SIZE],
+            driver: [0; LIGHTOVEN_NAME_SIZE],
         };
+        for (place, text) in [(&mut filled.name, &gpu.info().name), (&mut filled.driver, &gpu.info().driver)] {
+            // SAFETY: so much room is there.
+            unsafe { give_text(text, place.as_mut_ptr(), place.len(), std::ptr::null_mut())? };
+        }
         // SAFETY: it may be written by the caller's word.
         unsafe { write(info, "the GPU's info", &filled) }
     })
@@ -273,23 +291,25 @@ pub unsafe extern "C" fn lightoven_gpu_info(handle: LightovenGpu, info: *mut Lig
 
 /// Gives the compiled pipelines as bytes, for the engine to keep and hand in the next time. `size`: not NULL; with `data` NULL it
 /// is set to the bytes there are, else it tells the room at `data` and is set to what was written. INVALID_ARGUMENT where the
-/// room is too small: pipelines that were compiled in between made it grow.
+/// room is too small, for pipelines that were compiled in between made it grow: `size` is then set to what is needed.
 ///
 /// # Safety
 /// `size` may be read and written; `data` is NULL or has room for as many bytes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn lightoven_gpu_pipeline_cache(
-    handle: LightovenGpu,
+    gpu: LightovenGpu,
     size: *mut usize,
     data: *mut c_void,
 ) -> LightovenStatus {
     guard(|| {
         check_result(size, "the size")?;
-        let bytes = gpu(handle)?.pipeline_cache()?;
+        let bytes = gpu_of(gpu)?.pipeline_cache()?;
         // SAFETY: it may be read by the caller's word.
         let room = unsafe { size.read() };
         if !data.is_null() && room < bytes.len() {
             let needed = bytes.len();
+            // SAFETY: it may be written by the caller's word.
+            unsafe { size.write(needed) };
             return Err(Failure::argument(format!("there is room for {room} bytes; the pipeline cache has {needed}")));
         }
         // SAFETY: there is room for all of them, and the size may be written, by the caller's word.

@@ -1,6 +1,7 @@
 # lightoven::lightoven, the shared library, and lightoven::static. lightoven.h includes Vulkan's headers, which the engine has.
 get_filename_component(_lightoven_prefix "${CMAKE_CURRENT_LIST_DIR}/../../.." ABSOLUTE)
-find_package(Threads REQUIRED)
+include(CMakeFindDependencyMacro)
+find_dependency(Threads)
 
 if(NOT TARGET lightoven::lightoven)
     add_library(lightoven::lightoven SHARED IMPORTED)
@@ -13,7 +14,7 @@ if(NOT TARGET lightoven::lightoven)
     set_target_properties(lightoven::static PROPERTIES
         IMPORTED_LOCATION "${_lightoven_prefix}/lib/liblightoven.a"
         INTERFACE_INCLUDE_DIRECTORIES "${_lightoven_prefix}/include"
-        INTERFACE_LINK_LIBRARIES "Threads::Threads;m;${CMAKE_DL_LIBS};gcc_s")
+        INTERFACE_LINK_LIBRARIES "Threads::Threads;m;${CMAKE_DL_LIBS};util;rt;gcc_s")
 endif()
 
 unset(_lightoven_prefix)

@@ -1,10 +1,13 @@
 /*
  * lightoven: light maps, baked with Vulkan, for engines in C and C++.
  *
- * Every call gives a LightovenStatus; lightoven_last_error() has the text to it, for each thread its own. Every structure begins
- * with its size, which the caller sets: `LightovenStop stop = {.struct_size = sizeof stop};`. Members that are left zero have a
- * meaning of their own, said there. Handles are numbers that are never used twice, and {0} is the null handle of each kind. Where
- * nothing is said a pointer is not NULL, is used within the call alone, and texts are UTF-8.
+ * Calls give a LightovenStatus; lightoven_last_error() has the text to it, for each thread its own. Every structure begins with
+ * its size, which the caller sets: `LightovenStop stop = {.struct_size = sizeof stop};`. LightovenBakeSettings and
+ * LightovenFrameSettings are then filled in by a function; with the others zero, or NULL, means that there is none. Handles are
+ * numbers that are never used twice, and {0} is the null handle of each kind. Where nothing is said a pointer is not NULL and is
+ * used within the call alone, an index is below what it counts, and texts are UTF-8.
+ *
+ * It is for targets of 64 bits. With volk, include volk.h first, or define VK_NO_PROTOTYPES.
  *
  * Written by cbindgen from src/capi.
  */
@@ -25,6 +28,9 @@
 // The version of the header.
 #define LIGHTOVEN_VERSION_PATCH 0
 
+// Room for the name of a device or driver, bytes.
+#define LIGHTOVEN_NAME_SIZE 256
+
 // Room for names of extensions.
 #define LIGHTOVEN_MOST_EXTENSIONS 8
 
@@ -44,7 +50,8 @@ enum LightovenStatus
     LIGHTOVEN_STATUS_OK = 0,
     // The device, driver or file lacks something that was asked for.
     LIGHTOVEN_STATUS_UNSUPPORTED = -1,
-    // Host or device memory ran out, or a buffer is over the device's limit.
+    // Device memory ran out, or host memory that a driver asks for, or a buffer is over the device's limit. Where the process
+    // itself gets no memory any more it is ended, as Rust has it.
     LIGHTOVEN_STATUS_OUT_OF_MEMORY = -2,
     // The device was lost; everything on it is gone.
     LIGHTOVEN_STATUS_DEVICE_LOST = -3,
@@ -460,11 +467,11 @@ typedef uint32_t LightovenRan;
 #endif // __cplusplus
 
 // Takes a message. `level`: a LightovenLogLevel. `text`: UTF-8, ended by a NUL, valid within the call. It may be called by any
-// thread that calls lightoven, calls nothing of lightoven itself, and returns.
+// thread that calls lightoven, by several at a time, and returns: no exception and no longjmp leaves it.
 typedef void (*LightovenLogCallback)(uint32_t level, const char *text, void *user);
 
 // What an engine enables on its device, beside what it needs itself.
-typedef struct {
+typedef struct LightovenRequirements {
     // sizeof(LightovenRequirements)
     size_t struct_size;
     // A LightovenBackend that this is for: software or ray query.
@@ -481,7 +488,7 @@ typedef struct {
 
 // Vulkan handles to bake with. Nothing of it is destroyed; all of it outlives the LightovenGpu, and its arrays are not
 // needed after the call.
-typedef struct {
+typedef struct LightovenGpuDesc {
     // sizeof(LightovenGpuDesc)
     size_t struct_size;
     // What the instance's functions are loaded by: all of Vulkan is called through it, and nothing is linked.
@@ -510,7 +517,8 @@ typedef struct {
     // At most 2^32 - 1.
     size_t device_extension_count;
     // What `lightoven_gpu_pipeline_cache` gave, perhaps in an earlier run. Bytes of another device or driver, or damaged ones,
-    // are left aside with a warning. NULL where the size is 0.
+    // are left aside with a warning. NULL where the size is 0. Nothing but those bytes: who makes up others with a right checksum
+    // hands them to the driver.
     const void *pipeline_cache;
     // Bytes; at most 2^32 - 1.
     size_t pipeline_cache_size;
@@ -521,13 +529,13 @@ typedef struct {
 } LightovenGpuDesc;
 
 // A device to bake on. The null handle has the id 0. It may be used by several threads at a time.
-typedef struct {
+typedef struct LightovenGpu {
     // Not for use.
     uint64_t id;
 } LightovenGpu;
 
 // What a device holds for its bakers.
-typedef struct {
+typedef struct LightovenGpuInfo {
     // sizeof(LightovenGpuInfo)
     size_t struct_size;
     // A LightovenBackend: software or ray query.
@@ -536,17 +544,21 @@ typedef struct {
     uint32_t pipelines;
     // Device memory that buffers and images of lightoven hold, bytes.
     uint64_t allocated_bytes;
+    // The device's name, UTF-8, ended by a NUL.
+    char name[LIGHTOVEN_NAME_SIZE];
+    // The driver's name and version, UTF-8, ended by a NUL; cut short where it is longer.
+    char driver[LIGHTOVEN_NAME_SIZE];
 } LightovenGpuInfo;
 
 // A checked scene, read-only. The null handle has the id 0. It may be used by several threads at a time, and destroyed as
 // soon as bakers have been made from it.
-typedef struct {
+typedef struct LightovenScene {
     // Not for use.
     uint64_t id;
 } LightovenScene;
 
 // What a scene holds.
-typedef struct {
+typedef struct LightovenSceneInfo {
     // sizeof(LightovenSceneInfo)
     size_t struct_size;
     // Triangles over all instances.
@@ -562,7 +574,7 @@ typedef struct {
 } LightovenSceneInfo;
 
 // Triangles of one material. Attribute arrays are `[vertex]`.
-typedef struct {
+typedef struct LightovenMeshPart {
     // sizeof(LightovenMeshPart)
     size_t struct_size;
     // Object-space x, y, z, `[vertex][3]`; triangles are counter-clockwise seen from the front. NULL where the count is 0.
@@ -588,19 +600,19 @@ typedef struct {
 } LightovenMeshPart;
 
 // A mesh.
-typedef struct {
+typedef struct LightovenMesh {
     // sizeof(LightovenMesh)
     size_t struct_size;
     // Shown in messages; UTF-8. NULL: none.
     const char *name;
     // `[part_count]`; NULL where the count is 0.
-    const LightovenMeshPart *parts;
+    const struct LightovenMeshPart *parts;
     // At most 2^32 - 1.
     size_t part_count;
 } LightovenMesh;
 
 // A placed copy of a mesh.
-typedef struct {
+typedef struct LightovenInstance {
     // sizeof(LightovenInstance)
     size_t struct_size;
     // Shown in messages; UTF-8. NULL: none.
@@ -615,7 +627,7 @@ typedef struct {
 } LightovenInstance;
 
 // A texture as a material uses it.
-typedef struct {
+typedef struct LightovenTextureUse {
     // sizeof(LightovenTextureUse)
     size_t struct_size;
     // Index into the scene's textures.
@@ -629,15 +641,15 @@ typedef struct {
 } LightovenTextureUse;
 
 // A diffuse, possibly emissive surface. Colours are linear, Rec. 709.
-typedef struct {
+typedef struct LightovenMaterial {
     // sizeof(LightovenMaterial)
     size_t struct_size;
     // Shown in messages; UTF-8. NULL: none.
     const char *name;
     // Multiplied with `albedo`. NULL: none.
-    const LightovenTextureUse *albedo_texture;
+    const struct LightovenTextureUse *albedo_texture;
     // Multiplied with `emission`. NULL: none.
-    const LightovenTextureUse *emission_texture;
+    const struct LightovenTextureUse *emission_texture;
     // Diffuse albedo, at least 0; over 0.999 it is clamped with a warning.
     float albedo[3];
     // Emitted radiance, at least 0.
@@ -649,7 +661,7 @@ typedef struct {
 } LightovenMaterial;
 
 // An image with sRGB encoding.
-typedef struct {
+typedef struct LightovenTexture {
     // sizeof(LightovenTexture)
     size_t struct_size;
     // Shown in messages; UTF-8. NULL: none.
@@ -663,7 +675,7 @@ typedef struct {
 } LightovenTexture;
 
 // An analytic light.
-typedef struct {
+typedef struct LightovenLight {
     // sizeof(LightovenLight)
     size_t struct_size;
     // Shown in messages; UTF-8. NULL: none.
@@ -685,7 +697,7 @@ typedef struct {
 } LightovenLight;
 
 // What a ray sees that leaves the scene.
-typedef struct {
+typedef struct LightovenSky {
     // sizeof(LightovenSky)
     size_t struct_size;
     // Map: radiance, linear Rec. 709, `[height][width][3]`, equirectangular, from the top. The y axis is up; a direction d is
@@ -702,41 +714,41 @@ typedef struct {
 } LightovenSky;
 
 // Everything that makes up a scene.
-typedef struct {
+typedef struct LightovenSceneDesc {
     // sizeof(LightovenSceneDesc)
     size_t struct_size;
     // Shown in messages and written into files; UTF-8. NULL: none.
     const char *name;
     // `[mesh_count]`; NULL where the count is 0, as with the other lists.
-    const LightovenMesh *meshes;
+    const struct LightovenMesh *meshes;
     // At most 2^32 - 1, as the other counts.
     size_t mesh_count;
     // `[instance_count]`
-    const LightovenInstance *instances;
+    const struct LightovenInstance *instances;
     // Number of instances.
     size_t instance_count;
     // `[material_count]`
-    const LightovenMaterial *materials;
+    const struct LightovenMaterial *materials;
     // Number of materials.
     size_t material_count;
     // `[texture_count]`
-    const LightovenTexture *textures;
+    const struct LightovenTexture *textures;
     // Number of textures.
     size_t texture_count;
     // `[light_count]`
-    const LightovenLight *lights;
+    const struct LightovenLight *lights;
     // Number of lights.
     size_t light_count;
     // NULL: black.
-    const LightovenSky *sky;
+    const struct LightovenSky *sky;
 } LightovenSceneDesc;
 
 // How glTF is read. NULL in its place: as written, with a black sky.
-typedef struct {
+typedef struct LightovenGltf {
     // sizeof(LightovenGltf)
     size_t struct_size;
     // glTF has no sky of its own. NULL: black.
-    const LightovenSky *sky;
+    const struct LightovenSky *sky;
     // A LightovenGltfSidedness.
     uint32_t sidedness;
     // 0.
@@ -744,7 +756,7 @@ typedef struct {
 } LightovenGltf;
 
 // How a baker behaves that works within an engine's frames. `lightoven_frame_settings_default` fills it in.
-typedef struct {
+typedef struct LightovenFrameSettings {
     // sizeof(LightovenFrameSettings)
     size_t struct_size;
     // After so long `decay_threshold` of the old light is left, nanoseconds; default half a second.
@@ -762,7 +774,7 @@ typedef struct {
 } LightovenFrameSettings;
 
 // How to bake. `lightoven_bake_settings_default` fills it in.
-typedef struct {
+typedef struct LightovenBakeSettings {
     // sizeof(LightovenBakeSettings)
     size_t struct_size;
     // Another seed gives other noise; default 0.
@@ -771,7 +783,7 @@ typedef struct {
     uint64_t slice_ns;
     // NULL, the default: the scene stays as it is, and `lightoven_baker_bake` bakes it. Else it changes, and
     // `lightoven_baker_record` or `lightoven_baker_submit` work within an engine's frames.
-    const LightovenFrameSettings *frames;
+    const struct LightovenFrameSettings *frames;
     // Side of the light map in texels, 1 to 16384, where `texels_per_unit` is 0; default 512.
     uint32_t resolution;
     // Texels for one scene unit of length; default 0: as `resolution` says.
@@ -793,14 +805,14 @@ typedef struct {
 // Bakes the light map of one scene on one device. The null handle has the id 0. One thread at a time: a call while another one
 // works on the same baker, also from that one's callback, gives IN_USE. Destroy it once every frame that it recorded or
 // submitted, and every frame that uses one of its light maps, has finished on the device.
-typedef struct {
+typedef struct LightovenBaker {
     // Not for use.
     uint64_t id;
 } LightovenBaker;
 
 // The newest finished light map on the device. It is not written again before the frame after the one that replaced it has been
 // reported complete: use it in the next frame that is recorded, and ask again for the one after.
-typedef struct {
+typedef struct LightovenLightMap {
     // sizeof(LightovenLightMap)
     size_t struct_size;
     // The image.
@@ -811,7 +823,8 @@ typedef struct {
     uint64_t generation;
     // Sweeps over all texels that it holds. Always 0 for a scene that stays as it is.
     uint64_t sweeps;
-    // RGB: irradiance, linear Rec. 709, scene units; A: 1 where the texel lies on a surface, else 0. Gutters are filled.
+    // VK_FORMAT_R32G32B32A32_SFLOAT. RGB: irradiance, linear Rec. 709, scene units; A: 1 where the texel lies on a surface, else 0.
+    // Gutters are filled. Not every device filters such images linearly.
     VkFormat format;
     // The layout that the image is in, now and always.
     VkImageLayout layout;
@@ -822,7 +835,7 @@ typedef struct {
 } LightovenLightMap;
 
 // What a baker has done.
-typedef struct {
+typedef struct LightovenStatistics {
     // sizeof(LightovenStatistics)
     size_t struct_size;
     // Texels that take rays.
@@ -845,8 +858,37 @@ typedef struct {
     uint32_t warning_count;
 } LightovenStatistics;
 
+// The layout of a light map.
+typedef struct LightovenAtlas {
+    // sizeof(LightovenAtlas)
+    size_t struct_size;
+    // Texels whose centre a surface covers.
+    uint64_t covered_texels;
+    // Texels whose centre is covered more than once: their light is that of one of the surfaces.
+    uint64_t overlapping_texels;
+    // Columns.
+    uint32_t width;
+    // Rows.
+    uint32_t height;
+    // Instances that have a LightovenAtlasRect.
+    uint32_t rect_count;
+    // 1: the instances' own coordinates make up one atlas, used as it is; 0: each has a rectangle of its own.
+    uint32_t shared;
+} LightovenAtlas;
+
+// An instance's place: texel = light-map coordinate * `scale` + `offset`. For a coordinate of the whole map divide by its width
+// and height.
+typedef struct LightovenAtlasRect {
+    // sizeof(LightovenAtlasRect)
+    size_t struct_size;
+    // Texels for a light-map coordinate of 1, horizontally and vertically.
+    float scale[2];
+    // Texel of light-map coordinate (0, 0).
+    float offset[2];
+} LightovenAtlasRect;
+
 // When a bake ends: at whichever comes first. With nothing set it goes on until its callback ends it.
-typedef struct {
+typedef struct LightovenStop {
     // sizeof(LightovenStop)
     size_t struct_size;
     // Time from the call, nanoseconds. 0: no limit.
@@ -858,7 +900,7 @@ typedef struct {
 } LightovenStop;
 
 // How far a bake is.
-typedef struct {
+typedef struct LightovenProgress {
     // sizeof(LightovenProgress)
     size_t struct_size;
     // Rays traced.
@@ -884,10 +926,10 @@ typedef struct {
 // Called between slices of a bake, on the thread that bakes. `progress` is valid within the call, `user` is what
 // `lightoven_baker_bake` was given. 0: the bake goes on; else it ends, and keeps what it has. It returns: no exception and no
 // longjmp leaves it.
-typedef int32_t (*LightovenProgressCallback)(const LightovenProgress *progress, void *user);
+typedef int32_t (*LightovenProgressCallback)(const struct LightovenProgress *progress, void *user);
 
 // What a frame was given to do.
-typedef struct {
+typedef struct LightovenFrameReport {
     // sizeof(LightovenFrameReport)
     size_t struct_size;
     // The frame, numbered from 1, to be reported complete.
@@ -913,7 +955,7 @@ typedef struct {
 } LightovenFrameReport;
 
 // A value of a timeline semaphore.
-typedef struct {
+typedef struct LightovenTimelinePoint {
     // sizeof(LightovenTimelinePoint)
     size_t struct_size;
     // A timeline semaphore of the device.
@@ -923,7 +965,7 @@ typedef struct {
 } LightovenTimelinePoint;
 
 // How long a frame took.
-typedef struct {
+typedef struct LightovenFrameTiming {
     // sizeof(LightovenFrameTiming)
     size_t struct_size;
     // The frame.
@@ -944,18 +986,21 @@ extern "C" {
 const char *lightoven_version(void);
 
 // What the last call of this thread that failed has to say: the thing, its value, what is allowed. UTF-8, ended by a NUL,
-// valid until the next call of this thread that fails; empty before the first.
+// valid until the next call of this thread that fails, or until the thread ends; empty before the first. Never NULL.
 const char *lightoven_last_error(void);
 
 // A status's name, as in the header without its prefix; "UNKNOWN" for what is none. Never NULL, valid for ever.
 const char *lightoven_status_name(int32_t status);
 
-// Where messages go that lightoven has beside its errors; NULL: nowhere, as at the beginning. `user`: passed on.
-// UNSUPPORTED where something else in the process takes the messages of its Rust code already.
+// Where messages go that lightoven has beside its errors; NULL: nowhere, as at the beginning. `user`: passed on. When the call
+// returns, the callback before is not called any more.
+//
+// UNSUPPORTED where something else in the process takes the messages of its Rust code already; IN_USE from within a callback.
 //
 // # Safety
 // `callback` may be called with `user` by any thread that calls lightoven, until another is set.
-LightovenStatus lightoven_set_log(LightovenLogCallback callback, void *user);
+LightovenStatus lightoven_set_log(LightovenLogCallback callback,
+                                  void *user);
 
 // Tells what to enable on a device before it is made. `backend`: a LightovenBackend. `requirements`: filled in, not NULL;
 // its `struct_size` is set before.
@@ -967,47 +1012,49 @@ LightovenStatus lightoven_requirements(PFN_vkGetInstanceProcAddr get_instance_pr
                                        VkInstance instance,
                                        VkPhysicalDevice physical_device,
                                        uint32_t backend,
-                                       LightovenRequirements *requirements);
+                                       struct LightovenRequirements *requirements);
 
-// Takes an engine's device. `desc`, `gpu`: not NULL. `gpu` is written only where the call succeeds.
+// Takes an engine's device. `desc`, `gpu`: not NULL. `gpu` is written only where the call succeeds. UNSUPPORTED names an
+// extension or feature that is required and was not enabled.
 //
 // # Safety
 // - `desc` and what it points to are as its members say; the handles are valid and belong together; extensions and features
 //   are those that the device was created with.
 // - All of them outlive the LightovenGpu.
-// - Nobody else uses the queues during `lightoven_baker_create`, `_bake`, `_read_back`, `_write_exr` and `_set_scene`, nor the
-//   queue for compute during `lightoven_baker_submit`: Vulkan wants one thread at a time there.
-LightovenStatus lightoven_gpu_create(const LightovenGpuDesc *desc,
-                                     LightovenGpu *gpu);
+// - The engine does not use the queues during `lightoven_baker_create`, `_bake`, `_read_back`, `_write_exr`, `_write_png` and
+//   `_set_scene`, nor the queue for compute during `lightoven_baker_submit`: Vulkan wants one thread at a time there. Calls of
+//   lightoven's for bakers of one LightovenGpu may come from several threads, and wait for each other.
+LightovenStatus lightoven_gpu_create(const struct LightovenGpuDesc *desc,
+                                     struct LightovenGpu *gpu);
 
 // Lets the device go; nothing that the engine made is destroyed. Nothing happens for the null handle. IN_USE while bakers of
 // it live.
-LightovenStatus lightoven_gpu_destroy(LightovenGpu gpu);
+LightovenStatus lightoven_gpu_destroy(struct LightovenGpu gpu);
 
 // Tells what a device holds. `info`: not NULL; its `struct_size` is set before.
 //
 // # Safety
 // `info` may be written.
-LightovenStatus lightoven_gpu_info(LightovenGpu handle, LightovenGpuInfo *info);
+LightovenStatus lightoven_gpu_info(struct LightovenGpu gpu, struct LightovenGpuInfo *info);
 
 // Gives the compiled pipelines as bytes, for the engine to keep and hand in the next time. `size`: not NULL; with `data` NULL it
 // is set to the bytes there are, else it tells the room at `data` and is set to what was written. INVALID_ARGUMENT where the
-// room is too small: pipelines that were compiled in between made it grow.
+// room is too small, for pipelines that were compiled in between made it grow: `size` is then set to what is needed.
 //
 // # Safety
 // `size` may be read and written; `data` is NULL or has room for as many bytes.
-LightovenStatus lightoven_gpu_pipeline_cache(LightovenGpu handle,
+LightovenStatus lightoven_gpu_pipeline_cache(struct LightovenGpu gpu,
                                              size_t *size,
                                              void *data);
 
 // Destroys a scene. Nothing happens for the null handle. IN_USE while another thread uses it.
-LightovenStatus lightoven_scene_destroy(LightovenScene scene);
+LightovenStatus lightoven_scene_destroy(struct LightovenScene scene);
 
 // Tells what a scene holds. `info`: not NULL; its `struct_size` is set before.
 //
 // # Safety
 // `info` may be written.
-LightovenStatus lightoven_scene_info(LightovenScene handle, LightovenSceneInfo *info);
+LightovenStatus lightoven_scene_info(struct LightovenScene scene, struct LightovenSceneInfo *info);
 
 // Gives a text of a scene: UTF-8, ended by a NUL, cut short where `capacity` is too small for all of it.
 //
@@ -1016,7 +1063,7 @@ LightovenStatus lightoven_scene_info(LightovenScene handle, LightovenSceneInfo *
 //
 // # Safety
 // `buffer` has room for `capacity` bytes where it is not NULL; `length` may be written where it is not NULL.
-LightovenStatus lightoven_scene_text(LightovenScene handle,
+LightovenStatus lightoven_scene_text(struct LightovenScene scene,
                                      uint32_t kind,
                                      uint32_t index,
                                      char *buffer,
@@ -1031,8 +1078,8 @@ LightovenStatus lightoven_scene_text(LightovenScene handle,
 //
 // # Safety
 // `desc` and what it points to are as its members say; `scene` may be written.
-LightovenStatus lightoven_scene_create(const LightovenSceneDesc *desc,
-                                       LightovenScene *scene);
+LightovenStatus lightoven_scene_create(const struct LightovenSceneDesc *desc,
+                                       struct LightovenScene *scene);
 
 // Reads a .gltf or .glb file: its TEXCOORD_1 is the light map, what an animation moves is movable. `path`: UTF-8, not NULL.
 // `gltf`: NULL for the defaults. `scene`: not NULL, written only where the call succeeds.
@@ -1040,8 +1087,8 @@ LightovenStatus lightoven_scene_create(const LightovenSceneDesc *desc,
 // # Safety
 // `path` ends with a NUL; `gltf` is NULL or as its members say; `scene` may be written.
 LightovenStatus lightoven_scene_read_gltf(const char *path,
-                                          const LightovenGltf *gltf,
-                                          LightovenScene *scene);
+                                          const struct LightovenGltf *gltf,
+                                          struct LightovenScene *scene);
 
 // Reads a .gltf or .glb file that is in memory.
 //
@@ -1055,28 +1102,28 @@ LightovenStatus lightoven_scene_read_gltf_memory(const void *data,
                                                  size_t size,
                                                  const char *name,
                                                  const char *folder,
-                                                 const LightovenGltf *gltf,
-                                                 LightovenScene *scene);
+                                                 const struct LightovenGltf *gltf,
+                                                 struct LightovenScene *scene);
 
 // Fills in the defaults. `settings`: not NULL; its `struct_size` is set before.
 //
 // # Safety
 // `settings` may be written.
-LightovenStatus lightoven_bake_settings_default(LightovenBakeSettings *settings);
+LightovenStatus lightoven_bake_settings_default(struct LightovenBakeSettings *settings);
 
 // Fills in the defaults. `settings`: not NULL; its `struct_size` is set before.
 //
 // # Safety
 // `settings` may be written.
-LightovenStatus lightoven_frame_settings_default(LightovenFrameSettings *settings);
+LightovenStatus lightoven_frame_settings_default(struct LightovenFrameSettings *settings);
 
 // Tells how much device memory a baker will take, bytes, to about 5 %, before anything is allocated. `settings`: NULL for the
 // defaults. `bytes`: not NULL.
 //
 // # Safety
 // `settings` is NULL or as its members say; `bytes` may be written.
-LightovenStatus lightoven_estimate_memory(LightovenScene handle,
-                                          const LightovenBakeSettings *settings,
+LightovenStatus lightoven_estimate_memory(struct LightovenScene scene,
+                                          const struct LightovenBakeSettings *settings,
                                           uint64_t *bytes);
 
 // Makes a baker. `settings`: NULL for the defaults. `baker`: not NULL, written only where the call succeeds. It waits for the
@@ -1084,37 +1131,37 @@ LightovenStatus lightoven_estimate_memory(LightovenScene handle,
 //
 // # Safety
 // `settings` is NULL or as its members say; `baker` may be written; nobody else uses the device's queues meanwhile.
-LightovenStatus lightoven_baker_create(LightovenGpu device,
-                                       LightovenScene described,
-                                       const LightovenBakeSettings *settings,
-                                       LightovenBaker *baker);
+LightovenStatus lightoven_baker_create(struct LightovenGpu gpu,
+                                       struct LightovenScene scene,
+                                       const struct LightovenBakeSettings *settings,
+                                       struct LightovenBaker *baker);
 
-// Destroys a baker, without waiting. Nothing happens for the null handle.
+// Destroys a baker, without waiting. Nothing happens for the null handle. IN_USE while another call works on it.
 //
 // # Safety
 // Every frame that it recorded or submitted, and every frame that uses one of its light maps, has finished on the device.
-LightovenStatus lightoven_baker_destroy(LightovenBaker baker);
+LightovenStatus lightoven_baker_destroy(struct LightovenBaker baker);
 
 // Gives the newest finished light map. `light_map`: not NULL; its `struct_size` is set before. With a scene that stays as it is
 // there is one, which `lightoven_baker_read_back` finishes.
 //
 // # Safety
 // `light_map` may be written.
-LightovenStatus lightoven_baker_light_map(LightovenBaker handle,
-                                          LightovenLightMap *light_map);
+LightovenStatus lightoven_baker_light_map(struct LightovenBaker baker,
+                                          struct LightovenLightMap *light_map);
 
 // Tells what has been done so far. `statistics`: not NULL; its `struct_size` is set before.
 //
 // # Safety
 // `statistics` may be written.
-LightovenStatus lightoven_baker_statistics(LightovenBaker handle, LightovenStatistics *statistics);
+LightovenStatus lightoven_baker_statistics(struct LightovenBaker baker, struct LightovenStatistics *statistics);
 
 // Gives a warning: UTF-8, ended by a NUL, cut short where `capacity` is too small for all of it. `index`: below
 // `LightovenStatistics::warning_count`; the other parameters are those of `lightoven_scene_text`.
 //
 // # Safety
 // As `lightoven_scene_text`.
-LightovenStatus lightoven_baker_warning(LightovenBaker handle,
+LightovenStatus lightoven_baker_warning(struct LightovenBaker baker,
                                         uint32_t index,
                                         char *buffer,
                                         size_t capacity,
@@ -1126,7 +1173,7 @@ LightovenStatus lightoven_baker_warning(LightovenBaker handle,
 //
 // # Safety
 // There is room for so many at `pixels`; nobody else uses the device's queues meanwhile, and no frame is under way.
-LightovenStatus lightoven_baker_read_back(LightovenBaker handle,
+LightovenStatus lightoven_baker_read_back(struct LightovenBaker baker,
                                           float *pixels,
                                           size_t pixel_count);
 
@@ -1135,7 +1182,7 @@ LightovenStatus lightoven_baker_read_back(LightovenBaker handle,
 //
 // # Safety
 // `path` ends with a NUL; otherwise as `lightoven_baker_read_back`.
-LightovenStatus lightoven_baker_write_exr(LightovenBaker handle,
+LightovenStatus lightoven_baker_write_exr(struct LightovenBaker baker,
                                           const char *path);
 
 // Writes a picture of the light map for the eye, as 8-bit PNG, its exposure chosen by its 99th percentile. Otherwise as
@@ -1143,7 +1190,22 @@ LightovenStatus lightoven_baker_write_exr(LightovenBaker handle,
 //
 // # Safety
 // As `lightoven_baker_write_exr`.
-LightovenStatus lightoven_baker_write_png(LightovenBaker handle, const char *path);
+LightovenStatus lightoven_baker_write_png(struct LightovenBaker baker, const char *path);
+
+// Tells how a light map is laid out; it stays so. `atlas`: not NULL; its `struct_size` is set before.
+//
+// # Safety
+// `atlas` may be written.
+LightovenStatus lightoven_baker_atlas(struct LightovenBaker baker, struct LightovenAtlas *atlas);
+
+// Tells where an instance lies in the light map: what its light-map coordinates are multiplied with and moved by where it is drawn.
+// `instance`: below the scene's `instance_count`. `rect`: not NULL; its `struct_size` is set before.
+//
+// # Safety
+// `rect` may be written.
+LightovenStatus lightoven_baker_atlas_rect(struct LightovenBaker baker,
+                                           uint32_t instance,
+                                           struct LightovenAtlasRect *rect);
 
 // Bakes a scene that stays as it is until `stop`, or until `callback` ends it; a later call goes on from there.
 //
@@ -1154,15 +1216,18 @@ LightovenStatus lightoven_baker_write_png(LightovenBaker handle, const char *pat
 // # Safety
 // `stop` is as its members say; `callback` may be called with `user`; `end` is NULL or may be written; nobody else uses the
 // device's queues meanwhile.
-LightovenStatus lightoven_baker_bake(LightovenBaker handle,
-                                     const LightovenStop *stop,
+LightovenStatus lightoven_baker_bake(struct LightovenBaker baker,
+                                     const struct LightovenStop *stop,
                                      LightovenProgressCallback callback,
                                      void *user,
                                      uint32_t *end);
 
 // Records a frame's work into the engine's command buffer: about as much as the device does in `budget_ns`, and nothing for 0.
-// What the engine records afterwards sees the map that `lightoven_baker_light_map` then gives. `report`: filled in, its
-// `struct_size` set before, or NULL.
+// What the engine records afterwards sees the map that `lightoven_baker_light_map` then gives; drawing that reads it elsewhere
+// than in fragment or compute shaders needs a barrier of its own. `report`: filled in, its `struct_size` set before, or NULL.
+//
+// INVALID_SETTINGS after `lightoven_baker_submit`: a baker stays with one of the two. After UNSUPPORTED or DRIVER from the device
+// the baker can only be destroyed.
 //
 // # Safety
 // - The command buffer is primary, of the family of `LightovenGpuDesc::queue`, being recorded, and outside a rendering.
@@ -1171,85 +1236,101 @@ LightovenStatus lightoven_baker_bake(LightovenBaker handle,
 // - `report` is NULL or may be written.
 //
 // Afterwards pipeline, descriptor sets and push constants are others than before; nothing else is changed.
-LightovenStatus lightoven_baker_record(LightovenBaker handle,
+LightovenStatus lightoven_baker_record(struct LightovenBaker baker,
                                        VkCommandBuffer commands,
                                        uint64_t budget_ns,
-                                       LightovenFrameReport *report);
+                                       struct LightovenFrameReport *report);
 
 // Submits a frame's work to the queue for compute: about as much as the device does in `budget_ns`, and nothing for 0. It
 // begins when all of `wait` are reached; all of `signal` follow it, even where there was nothing to do. A map that it finishes is
 // given once the frame has been reported complete; a submission that uses the map waits for the frame's `signal`.
 //
-// `wait`, `signal`: `[wait_count]` and `[signal_count]`, NULL where the count is 0. `report`: filled in, its `struct_size` set
-// before, or NULL.
+// `wait`, `signal`: `[wait_count]` and `[signal_count]`, NULL where the count is 0; at most 2^32 - 1 each. `report`: filled in, its
+// `struct_size` set before, or NULL. INVALID_SETTINGS after `lightoven_baker_record`. After DEVICE_LOST, OUT_OF_MEMORY or DRIVER
+// from the device the baker can only be destroyed.
 //
 // # Safety
 // The semaphores are timeline semaphores of the device and live until the submission is done; a value to wait for is signalled at
 // some time, a value to signal is larger than the semaphore's then. Nobody else uses the queue meanwhile. `report` is NULL or may
 // be written.
-LightovenStatus lightoven_baker_submit(LightovenBaker handle,
+LightovenStatus lightoven_baker_submit(struct LightovenBaker baker,
                                        uint64_t budget_ns,
-                                       const LightovenTimelinePoint *wait,
+                                       const struct LightovenTimelinePoint *wait,
                                        size_t wait_count,
-                                       const LightovenTimelinePoint *signal,
+                                       const struct LightovenTimelinePoint *signal,
                                        size_t signal_count,
-                                       LightovenFrameReport *report);
+                                       struct LightovenFrameReport *report);
 
 // The engine reports: this frame and all before it have finished on the device, with all that used a light map in them.
 // `timing`: filled in, its `struct_size` set before, or NULL.
 //
 // # Safety
 // They have; `timing` is NULL or may be written.
-LightovenStatus lightoven_baker_complete(LightovenBaker handle, uint64_t frame, LightovenFrameTiming *timing);
+LightovenStatus lightoven_baker_complete(struct LightovenBaker baker,
+                                         uint64_t frame,
+                                         struct LightovenFrameTiming *timing);
 
 // The time of the next frame, nanoseconds from any beginning, with LIGHTOVEN_CLOCK_ENGINE. Time that runs backwards stands still.
-LightovenStatus lightoven_baker_set_time(LightovenBaker handle,
+LightovenStatus lightoven_baker_set_time(struct LightovenBaker baker,
                                          uint64_t now_ns);
 
-// Whether the cost model goes on learning from what frames take: 1, the default, for budgets that are kept; 0 for equal work with
+// Whether the cost model goes on learning from what frames take. `learns`: 1, the default, for budgets that are kept; 0 for equal work with
 // equal budgets, whatever that takes.
-LightovenStatus lightoven_baker_set_learning(LightovenBaker handle,
+LightovenStatus lightoven_baker_set_learning(struct LightovenBaker baker,
                                              uint32_t learns);
 
+// Rays that a frame of this budget has for each texel, as far as is known. `samples`: not NULL; 0 for a scene that stays as it is.
+//
+// # Safety
+// `samples` may be written.
+LightovenStatus lightoven_baker_samples_per_texel(struct LightovenBaker baker,
+                                                  uint64_t budget_ns,
+                                                  double *samples);
+
 // Moves an instance that was declared movable. `instance`: below the scene's `instance_count`. `object_to_world`: three rows of
-// four, as VkTransformMatrixKHR has them, in double precision; not NULL. Where it has not moved nothing happens.
+// four, as VkTransformMatrixKHR has them, in double precision; not NULL. Where it has not moved nothing happens. UNSUPPORTED
+// where it moves so far away, or shrinks so far beside the scene, that the hierarchy is no longer precise enough: by some 16
+// times the scene's half extent.
 //
 // # Safety
 // There are 12 numbers at `object_to_world`.
-LightovenStatus lightoven_baker_set_transform(LightovenBaker handle,
+LightovenStatus lightoven_baker_set_transform(struct LightovenBaker baker,
                                               uint32_t instance,
                                               const double *object_to_world);
 
 // Takes a movable instance out of the scene (`present` 0) or puts it back (1).
-LightovenStatus lightoven_baker_set_present(LightovenBaker handle, uint32_t instance, uint32_t present);
+LightovenStatus lightoven_baker_set_present(struct LightovenBaker baker, uint32_t instance, uint32_t present);
 
-// Replaces a light; an intensity of 0 switches it off. `index`: below the scene's `light_count`. `value`: not NULL.
+// Replaces a light; an intensity of 0 switches it off. `index`: below the scene's `light_count`. `light`: not NULL.
+// INVALID_SCENE for a value that `lightoven_scene_create` would refuse too.
 //
 // # Safety
-// `value` is as its members say.
-LightovenStatus lightoven_baker_set_light(LightovenBaker handle, uint32_t index, const LightovenLight *value);
+// `light` is as its members say.
+LightovenStatus lightoven_baker_set_light(struct LightovenBaker baker,
+                                          uint32_t index,
+                                          const struct LightovenLight *light);
 
 // Changes what a material emits, before its texture. `material`: below the scene's `material_count`. `radiance`: linear
 // Rec. 709, three numbers of at least 0; not NULL.
 //
 // # Safety
 // There are three numbers at `radiance`.
-LightovenStatus lightoven_baker_set_emission(LightovenBaker handle, uint32_t material, const float *radiance);
+LightovenStatus lightoven_baker_set_emission(struct LightovenBaker baker, uint32_t material, const float *radiance);
 
-// Replaces the sky. A scene that was made with a map takes maps of its size; one without takes none. `value`: not NULL.
+// Replaces the sky. A scene that was made with a map takes maps of its size; one without takes none. `sky`: not NULL.
 //
 // # Safety
-// `value` is as its members say.
-LightovenStatus lightoven_baker_set_sky(LightovenBaker handle, const LightovenSky *value);
+// `sky` is as its members say.
+LightovenStatus lightoven_baker_set_sky(struct LightovenBaker baker, const struct LightovenSky *sky);
 
 // Takes a scene that has come to need more: its first light, texture or sky map, more lights, an object that begins to move.
 // Instances, meshes and light-map coordinates stay as they were. It waits for the device and takes about as long as making the
-// baker; the light that has been gathered stays on show.
+// baker; the light that has been gathered stays on show. After an error all is as it was.
 //
 // # Safety
 // No frame of the baker is under way; nobody else uses the device's queues meanwhile.
-LightovenStatus lightoven_baker_set_scene(LightovenBaker handle,
-                                          LightovenScene value);
+LightovenStatus lightoven_baker_set_scene(struct LightovenBaker baker,
+                                          struct LightovenScene scene);
 
 #ifdef __cplusplus
 }  // extern "C"

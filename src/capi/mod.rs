@@ -9,6 +9,7 @@
 #![expect(unsafe_code, reason = "pointers and handles come from C")]
 
 mod arguments;
+mod atlas;
 mod baker;
 mod changes;
 mod frames;
@@ -22,6 +23,7 @@ mod still;
 mod version;
 mod vulkan;
 
+pub use atlas::*;
 pub use baker::*;
 pub use changes::*;
 pub use frames::*;

@@ -1,7 +1,7 @@
 //! How to bake.
 
-use super::arguments::{check_result, choose, read, structures, write};
-use super::scene::{LightovenScene, scene};
+use super::arguments::{check_reserved, check_result, choose, read, structures, write};
+use super::scene::{LightovenScene, scene_of};
 use super::status::{LightovenStatus, Outcome, guard};
 use crate::baker::{
     AimedBy, BakeSettings, Bounces, Clock, ErrorEstimate, FrameSettings, Mode, Sampling, Slice, Timing, estimate_memory,
@@ -125,7 +125,7 @@ pub struct LightovenBakeSettings {
     pub reserved: u32,
 }
 
-structures!(LightovenFrameSettings, LightovenBakeSettings);
+structures!(LightovenFrameSettings = [40], LightovenBakeSettings = [64]);
 
 /// Fills in the defaults. `settings`: not NULL; its `struct_size` is set before.
 ///
@@ -187,6 +187,7 @@ pub(super) unsafe fn bake_settings(settings: *const LightovenBakeSettings) -> Ou
         let settings = read(settings, "the settings")?;
         (settings, mode(settings.frames)?)
     };
+    check_reserved(settings.reserved, "the settings")?;
     let resolution = if settings.texels_per_unit == 0.0 {
         Resolution::Texels(settings.resolution)
     } else {
@@ -243,7 +244,7 @@ unsafe fn mode(frames: *const LightovenFrameSettings) -> Outcome<Mode> {
 /// `settings` is NULL or as its members say; `bytes` may be written.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn lightoven_estimate_memory(
-    handle: LightovenScene,
+    scene: LightovenScene,
     settings: *const LightovenBakeSettings,
     bytes: *mut u64,
 ) -> LightovenStatus {
@@ -251,9 +252,34 @@ pub unsafe extern "C" fn lightoven_estimate_memory(
         check_result(bytes, "the bytes' place")?;
         // SAFETY: by the caller's word.
         let settings = unsafe { bake_settings(settings)? };
-        let (_, estimate) = estimate_memory(&*scene(handle)?, &settings)?;
+        let (_, estimate) = estimate_memory(&*scene_of(scene)?, &settings)?;
         // SAFETY: it may be written by the caller's word.
         unsafe { bytes.write(estimate.most()) };
         Ok(())
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_defaults_are_those_of_the_rust_interface() {
+        // SAFETY: sizes are set, any other bytes will do.
+        unsafe {
+            let mut frames: LightovenFrameSettings = std::mem::zeroed();
+            frames.struct_size = size_of::<LightovenFrameSettings>();
+            assert_eq!(lightoven_frame_settings_default(&raw mut frames), LightovenStatus::Ok);
+            let mut settings: LightovenBakeSettings = std::mem::zeroed();
+            settings.struct_size = size_of::<LightovenBakeSettings>();
+            assert_eq!(lightoven_bake_settings_default(&raw mut settings), LightovenStatus::Ok);
+            assert_eq!(bake_settings(&raw const settings).expect("is valid"), BakeSettings::default());
+            settings.frames = &raw const frames;
+            let expected = BakeSettings { mode: Mode::Frames(FrameSettings::default()), ..BakeSettings::default() };
+            assert_eq!(bake_settings(&raw const settings).expect("is valid"), expected);
+            settings.reserved = 1;
+            let refused = bake_settings(&raw const settings).expect_err("must be refused").to_string();
+            assert!(refused.contains("'reserved' of the settings is 1"), "{refused}");
+        }
+    }
 }

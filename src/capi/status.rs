@@ -4,6 +4,7 @@ use crate::error::{Error, ErrorKind};
 use std::any::Any;
 use std::cell::RefCell;
 use std::ffi::{CStr, CString, c_char};
+use std::fmt;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// How a call ended.
@@ -14,7 +15,8 @@ pub enum LightovenStatus {
     Ok = 0,
     /// The device, driver or file lacks something that was asked for.
     Unsupported = -1,
-    /// Host or device memory ran out, or a buffer is over the device's limit.
+    /// Device memory ran out, or host memory that a driver asks for, or a buffer is over the device's limit. Where the process
+    /// itself gets no memory any more it is ended, as Rust has it.
     OutOfMemory = -2,
     /// The device was lost; everything on it is gone.
     DeviceLost = -3,
@@ -78,6 +80,12 @@ impl Failure {
     }
 }
 
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.text)
+    }
+}
+
 impl From<Error> for Failure {
     fn from(error: Error) -> Self {
         Self { status: error.kind().into(), text: error.to_string() }
@@ -99,7 +107,7 @@ pub(super) fn guard(work: impl FnOnce() -> Outcome) -> LightovenStatus {
 }
 
 /// What the last call of this thread that failed has to say: the thing, its value, what is allowed. UTF-8, ended by a NUL,
-/// valid until the next call of this thread that fails; empty before the first.
+/// valid until the next call of this thread that fails, or until the thread ends; empty before the first. Never NULL.
 #[unsafe(no_mangle)]
 pub extern "C" fn lightoven_last_error() -> *const c_char {
     LAST.try_with(|last| last.borrow().as_ptr()).unwrap_or(c"".as_ptr())
@@ -123,4 +131,39 @@ pub extern "C" fn lightoven_status_name(status: i32) -> *const c_char {
     ];
     let index = status.checked_neg().and_then(|status| usize::try_from(status).ok());
     index.and_then(|index| NAMES.get(index)).unwrap_or(&c"UNKNOWN").as_ptr()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn last_error() -> String {
+        // SAFETY: it is never NULL, and ends with a NUL.
+        unsafe { CStr::from_ptr(lightoven_last_error()) }.to_string_lossy().into_owned()
+    }
+
+    #[test]
+    fn a_panic_becomes_a_status() {
+        assert_eq!(guard(|| panic!("number {}", 7)), LightovenStatus::Internal);
+        assert_eq!(last_error(), "a fault of lightoven: number 7");
+        assert_eq!(guard(|| Ok(())), LightovenStatus::Ok);
+        assert_eq!(last_error(), "a fault of lightoven: number 7");
+    }
+
+    #[test]
+    fn each_thread_has_its_own_text() {
+        assert_eq!(guard(|| Err(Failure::argument("mine\0 alone"))), LightovenStatus::InvalidArgument);
+        std::thread::spawn(|| assert_eq!(last_error(), "")).join().expect("is as it should be");
+        assert_eq!(last_error(), "mine alone");
+    }
+
+    #[test]
+    fn statuses_have_names() {
+        for (status, name) in [(0, c"OK"), (-9, c"IN_USE"), (-10, c"INTERNAL"), (-11, c"UNKNOWN"), (1, c"UNKNOWN")] {
+            // SAFETY: it is never NULL, and ends with a NUL.
+            assert_eq!(unsafe { CStr::from_ptr(lightoven_status_name(status)) }, name);
+        }
+        // SAFETY: as above.
+        unsafe { assert_eq!(CStr::from_ptr(lightoven_status_name(i32::MIN)), c"UNKNOWN") };
+    }
 }

@@ -77,7 +77,7 @@ pub enum LightovenEnd {
     Interrupted = 1,
 }
 
-structures!(LightovenStop, LightovenProgress);
+structures!(LightovenStop = [24], LightovenProgress = [64]);
 
 /// Bakes a scene that stays as it is until `stop`, or until `callback` ends it; a later call goes on from there.
 ///
@@ -90,7 +90,7 @@ structures!(LightovenStop, LightovenProgress);
 /// device's queues meanwhile.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn lightoven_baker_bake(
-    handle: LightovenBaker,
+    baker: LightovenBaker,
     stop: *const LightovenStop,
     callback: LightovenProgressCallback,
     user: *mut c_void,
@@ -108,7 +108,7 @@ pub unsafe extern "C" fn lightoven_baker_bake(
             let ends = callback.is_some_and(|callback| unsafe { callback(&raw const told, user) } != 0);
             if ends { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
-        let outcome = with(handle, |held| Ok(held.baker.bake(&stop, &mut report)?))?;
+        let outcome = with(baker, |held| Ok(held.baker.bake(&stop, &mut report)?))?;
         let ended = match outcome {
             Ended::Finished => LightovenEnd::Finished,
             Ended::Interrupted => LightovenEnd::Interrupted,

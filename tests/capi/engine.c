@@ -1,5 +1,4 @@
 /* An engine in C: bakes at a stretch, and within 30 frames in which the square moves. engine FOLDER BACKEND */
-#include "engine.h"
 #include "scene.h"
 
 static void path_in(char *path, size_t size, const char *folder, const char *name) {
@@ -15,7 +14,7 @@ static int32_t count_calls(const LightovenProgress *progress, void *calls) {
 }
 
 static void bake(Engine *engine, LightovenScene scene, const char *folder) {
-    LightovenBakeSettings settings = {.struct_size = sizeof settings};
+    SIZED(LightovenBakeSettings, settings);
     LIGHTOVEN(lightoven_bake_settings_default(&settings));
     settings.resolution = 64;
     settings.seed = 7;
@@ -23,7 +22,8 @@ static void bake(Engine *engine, LightovenScene scene, const char *folder) {
     LIGHTOVEN(lightoven_estimate_memory(scene, &settings, &bytes));
     LightovenBaker baker = {0};
     LIGHTOVEN(lightoven_baker_create(engine->gpu, scene, &settings, &baker));
-    LightovenStop stop = {.struct_size = sizeof stop, .samples = 128};
+    SIZED(LightovenStop, stop);
+    stop.samples = 128;
     int calls = 0;
     uint32_t end = LIGHTOVEN_END_INTERRUPTED;
     LIGHTOVEN(lightoven_baker_bake(baker, &stop, count_calls, &calls, &end));
@@ -35,7 +35,7 @@ static void bake(Engine *engine, LightovenScene scene, const char *folder) {
     write_pixels(baker, path);
     path_in(path, sizeof path, folder, "still.exr");
     LIGHTOVEN(lightoven_baker_write_exr(baker, path));
-    LightovenStatistics statistics = {.struct_size = sizeof statistics};
+    SIZED(LightovenStatistics, statistics);
     LIGHTOVEN(lightoven_baker_statistics(baker, &statistics));
     printf("a stretch: %.0f samples a texel, %llu rays, estimated error %.2f %%, %.1f KiB\n",
            statistics.samples_per_texel, (unsigned long long)statistics.rays, 100 * statistics.estimated_error,
@@ -44,22 +44,27 @@ static void bake(Engine *engine, LightovenScene scene, const char *folder) {
 }
 
 static void frames(Engine *engine, LightovenScene scene, const char *folder) {
-    LightovenFrameSettings within = {.struct_size = sizeof within};
+    SIZED(LightovenFrameSettings, within);
     LIGHTOVEN(lightoven_frame_settings_default(&within));
     within.clock = LIGHTOVEN_CLOCK_ENGINE;
     within.quanta = 1;
-    LightovenBakeSettings settings = {.struct_size = sizeof settings};
+    SIZED(LightovenBakeSettings, settings);
     LIGHTOVEN(lightoven_bake_settings_default(&settings));
     settings.resolution = 64;
     settings.frames = &within;
     LightovenBaker baker = {0};
     LIGHTOVEN(lightoven_baker_create(engine->gpu, scene, &settings, &baker));
     LIGHTOVEN(lightoven_baker_set_learning(baker, 0));
+    SIZED(LightovenAtlas, atlas);
+    SIZED(LightovenAtlasRect, rect);
+    LIGHTOVEN(lightoven_baker_atlas(baker, &atlas));
+    LIGHTOVEN(lightoven_baker_atlas_rect(baker, 2, &rect));
+    if (atlas.width != 64 || atlas.rect_count != 3 || !atlas.shared || rect.scale[0] != 64 || rect.offset[1] != 0) {
+        fail("the atlas", "is laid out otherwise");
+    }
     uint64_t rays = 0, sweeps = 0;
     for (int frame = 0; frame < 30; frame++) {
-        const double placed[] = {1, 0, 0, -.5 + frame / 32., 0, 1, 0, 0, 0, 0, 1, 1};
-        LIGHTOVEN(lightoven_baker_set_transform(baker, 2, placed));
-        LIGHTOVEN(lightoven_baker_set_time(baker, (uint64_t)frame * 16000000));
+        change_scene(baker, frame);
         LightovenFrameReport report = record_frame(engine, baker, 1000000000);
         rays += report.rays;
         sweeps = report.sweeps;

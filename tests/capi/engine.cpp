@@ -1,6 +1,5 @@
 // An engine in C++17: bakes a glTF file that it has in memory, and 30 frames that it submits beside its own. engine FOLDER BACKEND
 // GLTF
-#include "engine.h"
 #include "scene.h"
 
 #include <chrono>
@@ -82,6 +81,44 @@ void bake(const Engine &engine, const std::filesystem::path &gltf, const std::fi
     check(lightoven_baker_write_png(baker, (folder / "gltf.png").c_str()));
 }
 
+/// A mesh that is placed twice: each place has a rectangle of the light map.
+void place_twice(const Engine &engine) {
+    const std::vector<LightovenInstance> twice{instances[0], instances[0], instances[1]};
+    auto desc = scene_desc;
+    desc.instances = twice.data();
+    desc.instance_count = twice.size();
+    Scene scene;
+    check(lightoven_scene_create(&desc, scene.place()));
+    auto settings = sized<LightovenBakeSettings>();
+    check(lightoven_bake_settings_default(&settings));
+    settings.resolution = 128;
+    Baker baker;
+    check(lightoven_baker_create(engine.gpu, scene, &settings, baker.place()));
+    auto atlas = sized<LightovenAtlas>();
+    check(lightoven_baker_atlas(baker, &atlas));
+    auto one = sized<LightovenAtlasRect>(), other = one;
+    check(lightoven_baker_atlas_rect(baker, 0, &one));
+    check(lightoven_baker_atlas_rect(baker, 1, &other));
+    const bool apart = one.offset[0] != other.offset[0] || one.offset[1] != other.offset[1];
+    if (atlas.shared || atlas.rect_count != 3 || !apart || one.scale[0] <= 0) {
+        throw std::runtime_error("the atlas is laid out otherwise");
+    }
+}
+
+/// A cache that is none is left aside, and the log says so.
+void damage_the_cache(const Engine &engine, const std::vector<std::string> &messages) {
+    auto desc = describe_device(&engine, LIGHTOVEN_BACKEND_SOFTWARE);
+    desc.pipeline_cache = "none";
+    desc.pipeline_cache_size = 4;
+    LightovenGpu gpu{};
+    const auto before = messages.size();
+    check(lightoven_gpu_create(&desc, &gpu));
+    check(lightoven_gpu_destroy(gpu));
+    if (messages.size() != before + 1 || messages.back().find("pipeline cache") == std::string::npos) {
+        throw std::runtime_error("the log did not say that the pipeline cache is damaged");
+    }
+}
+
 /// Frames beside which the baker's own submissions run, in order by the timeline.
 void frames(const Engine &engine, const std::filesystem::path &folder) {
     Scene scene;
@@ -99,9 +136,10 @@ void frames(const Engine &engine, const std::filesystem::path &folder) {
     check(lightoven_baker_set_learning(baker, 0));
     const auto budget = std::chrono::nanoseconds(std::chrono::seconds(1));
     for (std::uint64_t frame = 0; frame < 30; frame++) {
-        const double placed[] = {1, 0, 0, -.5 + static_cast<double>(frame) / 32, 0, 1, 0, 0, 0, 0, 1, 1};
-        check(lightoven_baker_set_transform(baker, 2, placed));
-        check(lightoven_baker_set_time(baker, frame * 16000000));
+        change_scene(baker, static_cast<int>(frame));
+        if (frame == 15) {
+            check(lightoven_baker_set_scene(baker, scene));
+        }
         const LightovenTimelinePoint wait{sizeof wait, engine.timeline, frame},
             signal{sizeof signal, engine.timeline, frame + 1};
         auto report = sized<LightovenFrameReport>();
@@ -137,6 +175,8 @@ int main(int count, char **arguments) {
         create_engine(&engine, static_cast<std::uint32_t>(std::stoul(arguments[2])));
         bake(engine, arguments[3], arguments[1]);
         frames(engine, arguments[1]);
+        place_twice(engine);
+        damage_the_cache(engine, messages);
         destroy_engine(&engine);
         check(lightoven_set_log(nullptr, nullptr));
     } catch (const std::exception &error) {

@@ -61,6 +61,12 @@ static inline void check_status(const char *what, LightovenStatus status) {
     }
 }
 
+/* A structure of zeros that knows its size. */
+#define SIZED(type, name)                                                                                              \
+    type name;                                                                                                         \
+    memset(&name, 0, sizeof name);                                                                                     \
+    name.struct_size = sizeof name
+
 /* Calls that have to succeed. */
 #define VULKAN(call) check_vulkan(#call, call)
 #define LIGHTOVEN(call) check_status(#call, call)

@@ -14,6 +14,9 @@ fn pkg_config_knows_it() {
         concat!("[liblightoven.so.", env!("CARGO_PKG_VERSION_MAJOR"), ".", env!("CARGO_PKG_VERSION_MINOR"), "]");
     assert!(names.contains("SONAME") && names.contains(soname), "{names}");
     let config = fs::read_to_string(root().join("src/capi/lightoven-config.cmake")).unwrap();
+    let version = fs::read_to_string(root().join("src/capi/lightoven-config-version.cmake")).unwrap();
+    let number = concat!("set(PACKAGE_VERSION ", env!("CARGO_PKG_VERSION"), ")");
+    assert!(version.contains(number), "lightoven-config-version.cmake has another version");
     assert!(config.contains(soname.trim_matches(['[', ']'])), "lightoven-config.cmake has another version");
 }
 

@@ -1,5 +1,4 @@
 /* Every function with NULL, with handles that are none any more, with wrong sizes and counts: a status and a text, no crash. */
-#include "engine.h"
 #include "scene.h"
 
 #include <pthread.h>
@@ -19,7 +18,6 @@ static void row(const char *call, LightovenStatus status, LightovenStatus expect
 
 #define REFUSED(call, status, words) row(#call, call, LIGHTOVEN_STATUS_##status, words)
 #define WORKS(call) row(#call, call, LIGHTOVEN_STATUS_OK, "")
-#define SIZED(type, name) type name = {.struct_size = sizeof name}
 
 /* A structure of a wrong size: none, too small, of a version that is not known, absurd. */
 #define WRONG_SIZES(structure, call)                                                                                   \
@@ -124,7 +122,8 @@ static void scenes(void) {
     WRONG_COUNTS(desc.instance_count, lightoven_scene_create(&desc, &scene), "instance is");
     WRONG_COUNTS(desc.material_count, lightoven_scene_create(&desc, &scene), "material is");
     WRONG_COUNTS(desc.light_count, lightoven_scene_create(&desc, &scene), "light is");
-    desc.texture_count = 1;
+    WRONG_COUNTS(desc.texture_count, lightoven_scene_create(&desc, &scene), "texture is");
+    desc.textures = NULL;
     REFUSED(lightoven_scene_create(&desc, &scene), INVALID_ARGUMENT, "list of texture is NULL");
     desc = scene_desc, desc.meshes = NULL;
     REFUSED(lightoven_scene_create(&desc, &scene), INVALID_ARGUMENT, "list of mesh is NULL");
@@ -136,12 +135,16 @@ static void scenes(void) {
     REFUSED(lightoven_scene_create(&desc, &scene), INVALID_SCENE, "material");
 
     LightovenMeshPart part = floor_part[0];
-    const LightovenMesh mesh = {sizeof mesh, "floor", &part, 1};
+    LightovenMesh mesh = {sizeof mesh, "floor", &part, 1};
     desc = scene_desc, desc.meshes = &mesh, desc.mesh_count = 1, desc.instance_count = 1;
     WRONG_SIZES(part, lightoven_scene_create(&desc, &scene));
     WRONG_COUNTS(part.vertex_count, lightoven_scene_create(&desc, &scene), "positions is");
     WRONG_COUNTS(part.index_count, lightoven_scene_create(&desc, &scene), "indices is");
-    part.positions = NULL;
+    WRONG_COUNTS(mesh.part_count, lightoven_scene_create(&desc, &scene), "part is");
+    WRONG_SIZES(mesh, lightoven_scene_create(&desc, &scene));
+    part.reserved = 3;
+    REFUSED(lightoven_scene_create(&desc, &scene), INVALID_ARGUMENT, "'reserved' of mesh 0, part 0 is 3");
+    part.positions = NULL, part.reserved = 0;
     REFUSED(lightoven_scene_create(&desc, &scene), INVALID_ARGUMENT, "list of positions is NULL");
     part = floor_part[0], part.indices = NULL;
     REFUSED(lightoven_scene_create(&desc, &scene), INVALID_ARGUMENT, "indices is NULL");
@@ -155,11 +158,17 @@ static void scenes(void) {
     desc = scene_desc, desc.materials = &material, material.albedo_texture = &used;
     WRONG_SIZES(used, lightoven_scene_create(&desc, &scene));
     REFUSED(lightoven_scene_create(&desc, &scene), INVALID_ARGUMENT, "wrap is 9");
+    used.reserved = 1;
+    REFUSED(lightoven_scene_create(&desc, &scene), INVALID_ARGUMENT, "'reserved' of a material's texture is 1");
+    WRONG_SIZES(material, lightoven_scene_create(&desc, &scene));
+    material = materials[0], material.reserved = 1;
+    REFUSED(lightoven_scene_create(&desc, &scene), INVALID_ARGUMENT, "'reserved' of material 0 is 1");
     material = materials[0], material.sidedness = 2;
     REFUSED(lightoven_scene_create(&desc, &scene), INVALID_ARGUMENT, "sidedness is 2");
     LightovenTexture texture = {sizeof texture, "none", NULL, UINT32_MAX, UINT32_MAX};
     desc = scene_desc, desc.textures = &texture, desc.texture_count = 1;
     REFUSED(lightoven_scene_create(&desc, &scene), INVALID_ARGUMENT, "pixels of texture 0 is NULL");
+    WRONG_SIZES(texture, lightoven_scene_create(&desc, &scene));
     texture.pixels = (const uint8_t *)"";
     REFUSED(lightoven_scene_create(&desc, &scene), INVALID_ARGUMENT, "pixels of texture 0 is 18446744065119617025");
     texture.width = 0;
@@ -168,11 +177,14 @@ static void scenes(void) {
     desc = scene_desc, desc.sky = &sky;
     REFUSED(lightoven_scene_create(&desc, &scene), INVALID_ARGUMENT, "sky map is NULL");
     WRONG_SIZES(sky, lightoven_scene_create(&desc, &scene));
+    sky.pixels = (const float *)floor_positions, sky.width = sky.height = UINT32_MAX;
+    REFUSED(lightoven_scene_create(&desc, &scene), INVALID_ARGUMENT, "pixels of the sky map is 18446744065119617025");
     sky.kind = 3;
     REFUSED(lightoven_scene_create(&desc, &scene), INVALID_ARGUMENT, "kind of the sky is 3");
     LightovenLight light = lights[0];
     desc = scene_desc, desc.lights = &light, light.kind = 8;
     REFUSED(lightoven_scene_create(&desc, &scene), INVALID_ARGUMENT, "kind of a light is 8");
+    WRONG_SIZES(light, lightoven_scene_create(&desc, &scene));
     LightovenInstance odd[2] = {instances[0], instances[1]};
     odd[1].struct_size -= 8;
     desc = scene_desc, desc.instances = odd, desc.instance_count = 2;
@@ -183,6 +195,9 @@ static void scenes(void) {
     REFUSED(lightoven_scene_read_gltf("there is none.gltf", NULL, &scene), IO, "there is none.gltf");
     REFUSED(lightoven_scene_read_gltf("none.gltf", NULL, NULL), INVALID_ARGUMENT, "place is NULL");
     WRONG_SIZES(gltf, lightoven_scene_read_gltf("none.gltf", &gltf, &scene));
+    gltf.reserved = 9;
+    REFUSED(lightoven_scene_read_gltf("none.gltf", &gltf, &scene), INVALID_ARGUMENT, "'reserved' of the settings is 9");
+    gltf.reserved = 0;
     const char *text = "{}";
     REFUSED(lightoven_scene_read_gltf_memory(NULL, 2, NULL, NULL, NULL, &scene), INVALID_ARGUMENT, "file is NULL");
     REFUSED(lightoven_scene_read_gltf_memory(NULL, 0, NULL, NULL, NULL, &scene), INVALID_SCENE, "'memory' is not glTF");
@@ -205,8 +220,8 @@ static void scenes(void) {
     char name[4];
     size_t length = 0;
     REFUSED(lightoven_scene_text(scene, 4, 0, name, 4, &length), INVALID_ARGUMENT, "kind of text is 4");
-    REFUSED(lightoven_scene_text(scene, LIGHTOVEN_SCENE_TEXT_LIGHT, 1, name, 4, &length), INVALID_ARGUMENT,
-            "no light 1: the scene has 1");
+    REFUSED(lightoven_scene_text(scene, LIGHTOVEN_SCENE_TEXT_LIGHT, 3, name, 4, &length), INVALID_ARGUMENT,
+            "no light 3: the scene has 3");
     REFUSED(lightoven_scene_text(scene, 0, 0, NULL, 4, NULL), INVALID_ARGUMENT, "both");
     WORKS(lightoven_scene_text(scene, LIGHTOVEN_SCENE_TEXT_INSTANCE, 2, name, sizeof name, &length));
     if (strcmp(name, "squ") != 0 || length != 6) {
@@ -216,17 +231,21 @@ static void scenes(void) {
     WORKS(lightoven_scene_destroy(scene));
     REFUSED(lightoven_scene_destroy(scene), INVALID_ARGUMENT, "there is no scene");
     REFUSED(lightoven_scene_info(scene, &info), INVALID_ARGUMENT, "was destroyed");
+    uint64_t estimate = 0;
+    REFUSED(lightoven_estimate_memory(scene, NULL, &estimate), INVALID_ARGUMENT, "was destroyed");
     REFUSED(lightoven_scene_text(scene, 0, 0, name, 4, NULL), INVALID_ARGUMENT, "was destroyed");
 }
 
 typedef struct Within {
     LightovenBaker baker;
     LightovenStatus inside, elsewhere;
+    int text_is_its_own;
 } Within;
 
 static void *elsewhere(void *pointer) {
     Within *within = pointer;
     SIZED(LightovenStatistics, statistics);
+    within->text_is_its_own = strcmp(lightoven_last_error(), "") == 0;
     within->elsewhere = lightoven_baker_statistics(within->baker, &statistics);
     return NULL;
 }
@@ -265,7 +284,13 @@ static void settings_are_checked(LightovenGpu gpu, LightovenScene scene) {
     REFUSED(lightoven_baker_create(gpu, no_scene, NULL, &baker), INVALID_ARGUMENT, "scene is the null handle");
     const LightovenGpu no_gpu = {scene.id};
     REFUSED(lightoven_baker_create(no_gpu, scene, NULL, &baker), INVALID_ARGUMENT, "there is no GPU");
+    LightovenScene gone = {0};
+    LIGHTOVEN(lightoven_scene_create(&scene_desc, &gone));
+    LIGHTOVEN(lightoven_scene_destroy(gone));
+    REFUSED(lightoven_baker_create(gpu, gone, NULL, &baker), INVALID_ARGUMENT, "was destroyed");
     WRONG_SIZES(settings, lightoven_baker_create(gpu, scene, &settings, &baker));
+    settings.reserved = 4;
+    REFUSED(lightoven_baker_create(gpu, scene, &settings, &baker), INVALID_ARGUMENT, "'reserved' of the settings is 4");
 #define WITH(member, value, status, words)                                                                             \
     settings = good, settings.member = value;                                                                          \
     REFUSED(lightoven_baker_create(gpu, scene, &settings, &baker), status, words)
@@ -311,10 +336,11 @@ static void at_a_stretch(LightovenGpu gpu, LightovenScene scene) {
     stop.error = 0, stop.samples = UINT32_MAX;
     REFUSED(lightoven_baker_bake(baker, &stop, NULL, NULL, &end), INVALID_SETTINGS, "samples is 4294967295");
     stop.samples = 64;
-    Within within = {baker, LIGHTOVEN_STATUS_OK, LIGHTOVEN_STATUS_OK};
+    Within within = {baker, LIGHTOVEN_STATUS_OK, LIGHTOVEN_STATUS_OK, 0};
     WORKS(lightoven_baker_bake(baker, &stop, call_again, &within, &end));
     if (end != LIGHTOVEN_END_INTERRUPTED || within.inside != LIGHTOVEN_STATUS_IN_USE ||
-        within.elsewhere != LIGHTOVEN_STATUS_IN_USE) {
+        within.elsewhere != LIGHTOVEN_STATUS_IN_USE || !within.text_is_its_own ||
+        !strstr(lightoven_last_error(), "in use by another call")) {
         fail("a call within a call", lightoven_last_error());
     }
 
@@ -323,6 +349,13 @@ static void at_a_stretch(LightovenGpu gpu, LightovenScene scene) {
     float pixels[16 * 16 * 4];
     REFUSED(lightoven_baker_light_map(baker, NULL), INVALID_ARGUMENT, "light map is NULL");
     WRONG_SIZES(map, lightoven_baker_light_map(baker, &map));
+    SIZED(LightovenAtlas, atlas);
+    SIZED(LightovenAtlasRect, rect);
+    REFUSED(lightoven_baker_atlas(baker, NULL), INVALID_ARGUMENT, "atlas is NULL");
+    WRONG_SIZES(atlas, lightoven_baker_atlas(baker, &atlas));
+    REFUSED(lightoven_baker_atlas_rect(baker, 0, NULL), INVALID_ARGUMENT, "rectangle is NULL");
+    REFUSED(lightoven_baker_atlas_rect(baker, 3, &rect), INVALID_ARGUMENT, "no instance 3: the scene has 3");
+    WRONG_SIZES(rect, lightoven_baker_atlas_rect(baker, 0, &rect));
     REFUSED(lightoven_baker_statistics(baker, NULL), INVALID_ARGUMENT, "statistics is NULL");
     WRONG_SIZES(statistics, lightoven_baker_statistics(baker, &statistics));
     REFUSED(lightoven_baker_warning(baker, 1000, NULL, 0, NULL), INVALID_ARGUMENT, "there is no warning 1000");
@@ -347,6 +380,8 @@ static void at_a_stretch(LightovenGpu gpu, LightovenScene scene) {
     REFUSED(lightoven_baker_bake(baker, &stop, NULL, NULL, NULL), INVALID_ARGUMENT, "was destroyed");
     REFUSED(lightoven_baker_light_map(baker, &map), INVALID_ARGUMENT, "was destroyed");
     REFUSED(lightoven_baker_statistics(baker, &statistics), INVALID_ARGUMENT, "was destroyed");
+    REFUSED(lightoven_baker_atlas(baker, &atlas), INVALID_ARGUMENT, "was destroyed");
+    REFUSED(lightoven_baker_atlas_rect(baker, 0, &rect), INVALID_ARGUMENT, "was destroyed");
     REFUSED(lightoven_baker_warning(baker, 0, NULL, 0, NULL), INVALID_ARGUMENT, "was destroyed");
     REFUSED(lightoven_baker_read_back(baker, pixels, 256), INVALID_ARGUMENT, "was destroyed");
     REFUSED(lightoven_baker_write_exr(baker, "a.exr"), INVALID_ARGUMENT, "was destroyed");
@@ -390,7 +425,7 @@ static void within_frames(Engine *engine, LightovenScene scene) {
     REFUSED(lightoven_baker_set_present(baker, 9, 0), INVALID_SETTINGS, "9");
     REFUSED(lightoven_baker_set_light(baker, 0, NULL), INVALID_ARGUMENT, "light is NULL");
     WRONG_SIZES(light, lightoven_baker_set_light(baker, 0, &light));
-    REFUSED(lightoven_baker_set_light(baker, 1, &light), INVALID_SETTINGS, "light");
+    REFUSED(lightoven_baker_set_light(baker, 3, &light), INVALID_SETTINGS, "light");
     light.intensity[1] = -1;
     REFUSED(lightoven_baker_set_light(baker, 0, &light), INVALID_SCENE, "intensity of light 'bulb'");
     REFUSED(lightoven_baker_set_emission(baker, 0, NULL), INVALID_ARGUMENT, "radiance is NULL");
@@ -402,6 +437,13 @@ static void within_frames(Engine *engine, LightovenScene scene) {
     REFUSED(lightoven_baker_set_sky(baker, &sky), INVALID_SCENE, "sky");
     const LightovenScene no_scene = {0};
     REFUSED(lightoven_baker_set_scene(baker, no_scene), INVALID_ARGUMENT, "scene is the null handle");
+    LightovenScene gone = {0};
+    LIGHTOVEN(lightoven_scene_create(&scene_desc, &gone));
+    LIGHTOVEN(lightoven_scene_destroy(gone));
+    REFUSED(lightoven_baker_set_scene(baker, gone), INVALID_ARGUMENT, "was destroyed");
+    double samples = 0;
+    REFUSED(lightoven_baker_samples_per_texel(baker, 1, NULL), INVALID_ARGUMENT, "samples' place is NULL");
+    WORKS(lightoven_baker_samples_per_texel(baker, 1000000, &samples));
     REFUSED(lightoven_baker_set_learning(baker, 2), INVALID_ARGUMENT, "learning is 2");
     /* Nothing was done by all of these. */
     report = record_frame(engine, baker, 0);
@@ -421,8 +463,33 @@ static void within_frames(Engine *engine, LightovenScene scene) {
     sky.radiance[2] = 1;
     REFUSED(lightoven_baker_set_sky(baker, &sky), INVALID_ARGUMENT, "was destroyed");
     REFUSED(lightoven_baker_set_scene(baker, scene), INVALID_ARGUMENT, "was destroyed");
+    REFUSED(lightoven_baker_samples_per_texel(baker, 1, &samples), INVALID_ARGUMENT, "was destroyed");
     REFUSED(lightoven_baker_set_time(baker, 1), INVALID_ARGUMENT, "was destroyed");
     REFUSED(lightoven_baker_set_learning(baker, 1), INVALID_ARGUMENT, "was destroyed");
+}
+
+static int logged = 0;
+
+static void log_within(uint32_t level, const char *text, void *user) {
+    logged += level == LIGHTOVEN_LOG_LEVEL_WARNING && strstr(text, "albedo of material 'bright'") && user == &logged;
+    REFUSED(lightoven_set_log(NULL, NULL), IN_USE, "the log is in use");
+}
+
+/* A callback that calls back, and one that is taken away. */
+static void logs(void) {
+    LightovenScene scene = {0};
+    const LightovenMaterial bright = {sizeof bright, "bright", 0, 0, {2, 2, 2}, {0, 0, 0}, 0, 0};
+    SIZED(LightovenSceneDesc, desc);
+    desc.materials = &bright, desc.material_count = 1;
+    WORKS(lightoven_set_log(log_within, &logged));
+    WORKS(lightoven_scene_create(&desc, &scene));
+    WORKS(lightoven_scene_destroy(scene));
+    WORKS(lightoven_set_log(NULL, NULL));
+    WORKS(lightoven_scene_create(&desc, &scene));
+    WORKS(lightoven_scene_destroy(scene));
+    if (logged != 1) {
+        fail("lightoven_set_log", "the warning was not told once");
+    }
 }
 
 int main(void) {
@@ -434,7 +501,7 @@ int main(void) {
     LightovenScene scene = {0};
     devices(&engine);
     scenes();
-    WORKS(lightoven_set_log(NULL, NULL));
+    logs();
     LIGHTOVEN(lightoven_scene_create(&scene_desc, &scene));
     settings_are_checked(engine.gpu, scene);
     at_a_stretch(engine.gpu, scene);

@@ -5,7 +5,7 @@ use super::desc::{
     LightovenSky, LightovenTexture, LightovenTextureUse,
 };
 use super::info::{LightovenScene, SCENES};
-use crate::capi::arguments::{check_result, choose, each, read, slice, text, transform, tuples};
+use crate::capi::arguments::{check_reserved, check_result, choose, each, read, slice, text, transform, tuples};
 use crate::capi::status::{Failure, LightovenStatus, Outcome, guard};
 use crate::scene::{
     Instance, Light, LightKind, Material, MeshDesc, MeshPart, Mobility, Scene, SceneDesc, Sidedness, Sky, SkyMap,
@@ -75,7 +75,7 @@ unsafe fn mesh(index: usize, mesh: LightovenMesh) -> Outcome<MeshDesc> {
     let mut parts = Vec::new();
     // SAFETY: the caller's word, passed on.
     unsafe {
-        each(mesh.parts, mesh.part_count, &format!("mesh {index}: part"), |part, value| {
+        each(mesh.parts, mesh.part_count, format_args!("mesh {index}: part"), |part, value| {
             parts.push(mesh_part(&format!("mesh {index}, part {part}"), value)?);
             Ok(())
         })?;
@@ -85,14 +85,15 @@ unsafe fn mesh(index: usize, mesh: LightovenMesh) -> Outcome<MeshDesc> {
 
 unsafe fn mesh_part(what: &str, part: LightovenMeshPart) -> Outcome<MeshPart> {
     let count = part.vertex_count;
+    check_reserved(part.reserved, what)?;
     // SAFETY: the caller's word, passed on.
     unsafe {
         let in_two = |pointer, name: &str| -> Outcome<Option<Vec<Vec2>>> {
-            let values = tuples::<2>(pointer, count, &format!("{what}: {name}"))?;
+            let values = tuples::<2>(pointer, count, format_args!("{what}: {name}"))?;
             Ok(values.map(|values| values.iter().copied().map(Vec2::from_array).collect()))
         };
         let in_three = |pointer, name: &str| -> Outcome<Option<Vec<Vec3>>> {
-            let values = tuples::<3>(pointer, count, &format!("{what}: {name}"))?;
+            let values = tuples::<3>(pointer, count, format_args!("{what}: {name}"))?;
             Ok(values.map(|values| values.iter().copied().map(Vec3::from_array).collect()))
         };
         let positions = in_three(part.positions, "positions")?;
@@ -105,7 +106,7 @@ unsafe fn mesh_part(what: &str, part: LightovenMeshPart) -> Outcome<MeshPart> {
             light_map_uvs: in_two(part.light_map_uvs, "light-map coordinates")?,
             albedo_uvs: in_two(part.albedo_uvs, "albedo coordinates")?,
             emission_uvs: in_two(part.emission_uvs, "emission coordinates")?,
-            indices: slice(part.indices, part.index_count, &format!("{what}: indices"))?.to_vec(),
+            indices: slice(part.indices, part.index_count, format_args!("{what}: indices"))?.to_vec(),
             material: part.material as usize,
         })
     }
@@ -128,6 +129,7 @@ unsafe fn instance(index: usize, instance: LightovenInstance) -> Outcome<Instanc
 }
 
 unsafe fn material(index: usize, material: LightovenMaterial) -> Outcome<Material> {
+    check_reserved(material.reserved, format_args!("material {index}"))?;
     // SAFETY: the caller's word, passed on.
     unsafe {
         Ok(Material {
@@ -147,6 +149,7 @@ unsafe fn texture_use(used: *const LightovenTextureUse) -> Outcome<Option<Textur
     }
     // SAFETY: the caller's word, passed on.
     let used = unsafe { read(used, "a material's texture")? };
+    check_reserved(used.reserved, "a material's texture")?;
     let wrap = |number| choose(number, "a texture's wrap", &[Wrap::Repeat, Wrap::MirroredRepeat, Wrap::ClampToEdge]);
     Ok(Some(TextureUse { texture: used.texture as usize, wrap: [wrap(used.wrap_u)?, wrap(used.wrap_v)?] }))
 }

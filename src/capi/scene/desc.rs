@@ -248,13 +248,13 @@ pub struct LightovenSceneDesc {
 }
 
 structures!(
-    LightovenMeshPart,
-    LightovenMesh,
-    LightovenInstance,
-    LightovenTextureUse,
-    LightovenTexture,
-    LightovenMaterial,
-    LightovenLight,
-    LightovenSky,
-    LightovenSceneDesc,
+    LightovenMeshPart = [80],
+    LightovenMesh = [32],
+    LightovenInstance = [32],
+    LightovenTextureUse = [24],
+    LightovenTexture = [32],
+    LightovenMaterial = [64],
+    LightovenLight = [80],
+    LightovenSky = [40],
+    LightovenSceneDesc = [104],
 );

@@ -19,8 +19,8 @@ pub struct LightovenScene {
 pub(in crate::capi) static SCENES: Registry<Scene> = Registry::new("scene");
 
 /// The scene that a handle stands for.
-pub(in crate::capi) fn scene(handle: LightovenScene) -> Outcome<Arc<Scene>> {
-    SCENES.get(handle.id)
+pub(in crate::capi) fn scene_of(scene: LightovenScene) -> Outcome<Arc<Scene>> {
+    SCENES.get(scene.id)
 }
 
 /// Destroys a scene. Nothing happens for the null handle. IN_USE while another thread uses it.
@@ -47,19 +47,16 @@ pub struct LightovenSceneInfo {
     pub warning_count: u32,
 }
 
-structures!(LightovenSceneInfo);
+structures!(LightovenSceneInfo = [32]);
 
 /// Tells what a scene holds. `info`: not NULL; its `struct_size` is set before.
 ///
 /// # Safety
 /// `info` may be written.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn lightoven_scene_info(
-    handle: LightovenScene,
-    info: *mut LightovenSceneInfo,
-) -> LightovenStatus {
+pub unsafe extern "C" fn lightoven_scene_info(scene: LightovenScene, info: *mut LightovenSceneInfo) -> LightovenStatus {
     guard(|| {
-        let scene = scene(handle)?;
+        let scene = scene_of(scene)?;
         let filled = LightovenSceneInfo {
             struct_size: size_of::<LightovenSceneInfo>(),
             triangle_count: scene.triangle_count() as u64,
@@ -87,6 +84,13 @@ pub enum LightovenSceneText {
     Warning = 3,
 }
 
+const KINDS: [LightovenSceneText; 4] = [
+    LightovenSceneText::Instance,
+    LightovenSceneText::Material,
+    LightovenSceneText::Light,
+    LightovenSceneText::Warning,
+];
+
 /// Gives a text of a scene: UTF-8, ended by a NUL, cut short where `capacity` is too small for all of it.
 ///
 /// `kind`: a LightovenSceneText. `index`: below the count of these in LightovenSceneInfo. `buffer`: room for `capacity` bytes, or
@@ -96,7 +100,7 @@ pub enum LightovenSceneText {
 /// `buffer` has room for `capacity` bytes where it is not NULL; `length` may be written where it is not NULL.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn lightoven_scene_text(
-    handle: LightovenScene,
+    scene: LightovenScene,
     kind: u32,
     index: u32,
     buffer: *mut c_char,
@@ -104,17 +108,27 @@ pub unsafe extern "C" fn lightoven_scene_text(
     length: *mut usize,
 ) -> LightovenStatus {
     guard(|| {
-        let scene = scene(handle)?;
-        let kinds = [
-            ("instance", scene.instances().iter().map(|instance| &*instance.name).collect::<Vec<_>>()),
-            ("material", scene.materials().iter().map(|material| &*material.name).collect()),
-            ("light", scene.lights().iter().map(|light| &*light.name).collect()),
-            ("warning", scene.warnings().iter().map(String::as_str).collect()),
-        ];
-        let index_of_kind = choose(kind, "the kind of text", &[0, 1, 2, 3])?;
-        let (kind, texts) = &kinds[index_of_kind];
-        let Some(text) = texts.get(index as usize) else {
-            let count = texts.len();
+        let scene = scene_of(scene)?;
+        let index = index as usize;
+        let (kind, count, text) = match choose(kind, "the kind of text", &KINDS)? {
+            LightovenSceneText::Instance => {
+                let all = scene.instances();
+                ("instance", all.len(), all.get(index).map(|instance| instance.name.as_str()))
+            }
+            LightovenSceneText::Material => {
+                let all = scene.materials();
+                ("material", all.len(), all.get(index).map(|material| material.name.as_str()))
+            }
+            LightovenSceneText::Light => {
+                let all = scene.lights();
+                ("light", all.len(), all.get(index).map(|light| light.name.as_str()))
+            }
+            LightovenSceneText::Warning => {
+                let all = scene.warnings();
+                ("warning", all.len(), all.get(index).map(String::as_str))
+            }
+        };
+        let Some(text) = text else {
             return Err(Failure::argument(format!("there is no {kind} {index}: the scene has {count}")));
         };
         // SAFETY: the caller's word, passed on.

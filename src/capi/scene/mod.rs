@@ -11,4 +11,4 @@ pub use info::*;
 pub use read::*;
 
 pub(super) use build::{light, sky};
-pub(super) use info::scene;
+pub(super) use info::scene_of;

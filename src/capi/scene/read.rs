@@ -3,7 +3,7 @@
 use super::build::sky;
 use super::desc::LightovenSky;
 use super::info::{LightovenScene, SCENES};
-use crate::capi::arguments::{check_result, choose, read, required_text, slice, structures, text};
+use crate::capi::arguments::{check_reserved, check_result, choose, read, required_text, slice, structures, text};
 use crate::capi::status::{LightovenStatus, Outcome, guard};
 use crate::io::gltf::{self, ReadSettings, SidednessChoice};
 use crate::scene::Scene;
@@ -34,7 +34,7 @@ pub struct LightovenGltf {
     pub reserved: u32,
 }
 
-structures!(LightovenGltf);
+structures!(LightovenGltf = [24]);
 
 /// # Safety
 /// `settings` is NULL or as its members say.
@@ -44,6 +44,7 @@ unsafe fn settings(settings: *const LightovenGltf) -> Outcome<(ReadSettings, *co
     }
     // SAFETY: the caller's word, passed on.
     let settings = unsafe { read(settings, "the settings")? };
+    check_reserved(settings.reserved, "the settings")?;
     let choices = [SidednessChoice::AsWritten, SidednessChoice::AllDouble];
     Ok((ReadSettings { sidedness: choose(settings.sidedness, "the sidedness", &choices)? }, settings.sky))
 }

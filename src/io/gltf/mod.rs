@@ -70,7 +70,9 @@ pub fn read(path: &Path, settings: &ReadSettings) -> Result<Scene> {
 /// As [`read`]; `InvalidScene` too for a file that refers to others, without a folder.
 pub fn read_bytes(name: &str, bytes: Vec<u8>, folder: Option<&Path>, settings: &ReadSettings) -> Result<Scene> {
     let path = Path::new(name);
-    checked(describe(path, container::take_apart(path, bytes)?, folder, settings)?)
+    let (mut desc, warnings) = describe(path, container::take_apart(path, bytes)?, folder, settings)?;
+    name.clone_into(&mut desc.name);
+    checked((desc, warnings))
 }
 
 fn checked((desc, warnings): (SceneDesc, Vec<String>)) -> Result<Scene> {
