@@ -45,7 +45,8 @@ fn sparing(unneeded: Features) -> BakeSettings {
 
 fn bake(gpu: &Gpu, scene: &Scene, settings: BakeSettings) -> LightMap {
     let mut baker = Baker::new(gpu, scene, &settings).unwrap();
-    let stop = Stop { samples: Some(128), ..Stop::default() };
+    // More than two quanta, whose halves' sums are rounded in another order than one sum.
+    let stop = Stop { samples: Some(320), ..Stop::default() };
     baker.bake(&stop, &mut |_| ControlFlow::Continue(())).unwrap();
     baker.read_back().unwrap()
 }
@@ -55,7 +56,7 @@ fn the_same_bits(gpu: &Gpu) {
     for (name, scene) in scenes() {
         let unneeded = Features::LEFT_OUT_AT_WILL.difference(OTHER_ROUNDING);
         let needed = Features::required(&scene, &sparing(Features::empty()));
-        assert!(unneeded.difference(needed).bits().count_ones() >= 4, "{name}: nothing is left out");
+        assert!(unneeded.difference(needed).bits().count_ones() >= 3, "{name}: nothing is left out");
         let [least, most] = [Features::empty(), unneeded].map(|unneeded| bake(gpu, &scene, sparing(unneeded)));
         let bits = |map: &LightMap| map.pixels.iter().map(|pixel| pixel.map(f32::to_bits)).collect::<Vec<_>>();
         let differ = bits(&least).iter().zip(bits(&most)).filter(|(one, other)| *one != other).count();
@@ -66,9 +67,13 @@ fn the_same_bits(gpu: &Gpu) {
 
 /// What changes bits: a top level over a single instance, whose rays are then traced in the mesh's own space; and rays that
 /// may be aimed, and are not, for the bounces then have two sets of rays, of which the second is kept. Clusters, and what has
-/// been seen of them, bring aimed rays along.
-const OTHER_ROUNDING: Features =
-    Features::INSTANCES.union(Features::IMPORTANCE).union(Features::CLUSTERS).union(Features::VISIBILITY);
+/// been seen of them, bring aimed rays along. Halves of the samples are summed each for itself, and what stops comes with them.
+const OTHER_ROUNDING: Features = Features::INSTANCES
+    .union(Features::IMPORTANCE)
+    .union(Features::CLUSTERS)
+    .union(Features::VISIBILITY)
+    .union(Features::HALVES)
+    .union(Features::ADAPTIVE);
 
 /// But for single texels, in which a wall stands or not, or a ray that found a lamp passes it, as rounding has it: 19 at most.
 fn the_same_light(gpu: &Gpu) {

@@ -1,6 +1,6 @@
 //! A bake of a scene in which nothing shines, or nothing receives light: its light map is black, and no ray is sent.
 
-use super::{BakeSettings, LightMap, Mode, Outcome, Progress, Statistics, Stop};
+use super::{BakeSettings, ErrorEstimate, LightMap, Mode, Outcome, Progress, Statistics, Stop};
 use crate::epochs::Epoch;
 use crate::error::Result;
 use crate::gpu::{Commands, Gpu, Image, ImageDesc};
@@ -15,6 +15,7 @@ pub(super) struct Dark {
     pub(super) statistics: Statistics,
     pub(super) image: Image,
     map: LightMap,
+    tells_error: bool,
 }
 
 /// Whether a light map can only be black: that of a scene which stays as it is, and in which everything is left out that is
@@ -36,7 +37,8 @@ pub(super) fn nothing_to_bake(scene: &Scene) -> String {
 }
 
 impl Dark {
-    pub(super) fn new(gpu: &Gpu, scene: &Scene, atlas: Atlas) -> Result<Self> {
+    pub(super) fn new(gpu: &Gpu, scene: &Scene, atlas: Atlas, error: ErrorEstimate) -> Result<Self> {
+        let tells_error = error != ErrorEstimate::None;
         let mut statistics = Statistics::default();
         let [width, height] = atlas.size.to_array();
         let covered = atlas.touched(scene);
@@ -53,7 +55,7 @@ impl Dark {
         let format = vk::Format::R32G32B32A32_SFLOAT;
         let desc = ImageDesc { name: "light map", size: [width, height], format, usage, mip_levels: 1 };
         let image = Commands::new(gpu)?.upload_image(desc, &map.pixels)?;
-        Ok(Self { atlas, statistics, image, map })
+        Ok(Self { atlas, statistics, image, map, tells_error })
     }
 
     /// Done at once.
@@ -62,8 +64,8 @@ impl Dark {
         stop: &Stop,
         progress: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
     ) -> Result<Outcome> {
-        stop.check()?;
-        self.statistics.estimated_error = Some(0.0);
+        stop.check_for(self.tells_error)?;
+        self.statistics.estimated_error = Some(0.0).filter(|_| self.tells_error);
         let report = self.statistics.progress(Epoch::Keep { quanta: 0 }, stop, Duration::ZERO);
         Ok(if progress(&report).is_break() { Outcome::Interrupted } else { Outcome::Finished })
     }

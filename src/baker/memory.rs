@@ -1,7 +1,7 @@
 //! What a bake takes on the device, told before anything is allocated.
 
-use super::BakeSettings;
 use super::dark::is_dark;
+use super::{BakeSettings, Baker};
 use crate::error::{Error, ErrorKind, Result};
 use crate::features::Features;
 use crate::gpu::DeviceInfo;
@@ -18,6 +18,8 @@ pub struct MemoryEstimate {
     pub set_up: Vec<(&'static str, u64)>,
     /// What the bake needs of the scene; all else is left out.
     pub features: Features,
+    /// Whether the light map can only be black.
+    pub is_dark: bool,
 }
 
 impl MemoryEstimate {
@@ -28,11 +30,18 @@ impl MemoryEstimate {
 
     /// What leaving things out saves, in words and bytes; 0 where it saves time alone.
     pub fn left_out(&self, scene: &Scene, atlas: &Atlas) -> Vec<(&'static str, u64)> {
+        if self.is_dark {
+            let lit = Self::of(scene, atlas, Features::of(scene));
+            return vec![(
+                "nothing shines, or nothing is lit: no pipeline and no ray",
+                lit.most().saturating_sub(self.most()),
+            )];
+        }
         let with = |bits| Self::of(scene, atlas, self.features | bits).most().saturating_sub(self.most());
         self.features.left_out().into_iter().map(|(bits, words)| (words, with(bits))).collect()
     }
 
-    /// The most that it ever takes, bytes.
+    /// About the most that it ever takes, bytes.
     pub fn most(&self) -> u64 {
         self.total() + self.set_up.iter().map(|(_, bytes)| bytes).sum::<u64>()
     }
@@ -44,7 +53,14 @@ impl MemoryEstimate {
         features.set(Features::LINKS, linked_rays.is_some());
         let groups = baked.div_ceil(u64::from(GROUP));
         let mut parts: Vec<_> = Maps::bytes(size, sky_size(scene), features).collect();
-        parts.extend([("texels", baked * 4), ("sums", groups * 16), ("nearest texels", all * 8)]);
+        let is_dynamic = features.contains(Features::DYNAMIC);
+        parts.extend([("texels", baked * 4), ("sums", groups * 16)]);
+        // While they are looked for there are two of them.
+        parts.push(("nearest texels", if is_dynamic { all * 4 } else { all * 8 }));
+        if is_dynamic && features.contains(Features::SKY_MAP) {
+            let [width, height] = sky_size(scene).map(u64::from);
+            parts.push(("sky staging", width * height * 16));
+        }
         if features.contains(Features::IMPORTANCE) {
             parts.push(("importance sums", Aim::sums_bytes(size)));
             let emits = scene.materials().iter().any(crate::scene::Material::is_emissive);
@@ -61,21 +77,29 @@ impl MemoryEstimate {
             parts.push(("activity", groups * 4));
         }
         parts.extend(DeviceScene::bytes(scene, features));
-        let mut set_up = vec![("gbuffer depth", all * 4)];
+        // Read by the host.
+        let mut set_up = vec![("gbuffer depth", all * 4), ("read-back", all * 16)];
+        if is_dynamic {
+            set_up.push(("lit texels", all * 16));
+        }
         if features.contains(Features::TEXTURES) {
             let pixels: u64 = scene.textures().iter().map(|t| u64::from(t.width) * u64::from(t.height)).sum();
             set_up.push(("textures", pixels * 4 * 4 / 3));
         }
-        Self { parts, set_up, features }
+        Self { parts, set_up, features, is_dark: false }
     }
 
     /// Of a bake with these settings.
     pub(super) fn of_bake(scene: &Scene, atlas: &Atlas, settings: &BakeSettings) -> Self {
         if is_dark(scene, atlas, settings) {
-            let parts = vec![("light map", 16 * u64::from(atlas.size.x) * u64::from(atlas.size.y))];
-            return Self { parts, set_up: Vec::new(), features: Features::empty() };
+            return Self::of_dark(atlas);
         }
         Self::of(scene, atlas, Features::required(scene, settings))
+    }
+
+    fn of_dark(atlas: &Atlas) -> Self {
+        let parts = vec![("light map", 16 * u64::from(atlas.size.x) * u64::from(atlas.size.y))];
+        Self { parts, set_up: Vec::new(), features: Features::empty(), is_dark: true }
     }
 
     /// `OutOfMemory` where the device does not have as much.
@@ -96,6 +120,16 @@ impl MemoryEstimate {
 /// Columns and rows of the scene's sky map; 1 and 1 where it has none.
 fn sky_size(scene: &Scene) -> [u32; 2] {
     if let Sky::Map(map) = scene.sky() { [map.width, map.height] } else { [1, 1] }
+}
+
+impl Baker {
+    /// What it takes on the device, by what it has come to need. `scene`: the one that it bakes.
+    pub fn memory_estimate(&self, scene: &Scene) -> MemoryEstimate {
+        match self.core() {
+            Ok(core) => MemoryEstimate::of(scene, &core.atlas, core.features),
+            Err(dark) => MemoryEstimate::of_dark(&dark.atlas),
+        }
+    }
 }
 
 /// The layout of the scene's light map, and what baking it takes.

@@ -96,6 +96,8 @@ struct Core {
     atlas: Atlas,
     push: Push,
     features: Features,
+    /// Of what surfaces look like; 0 where the scene does not change.
+    looks: u64,
     statistics: Statistics,
 }
 

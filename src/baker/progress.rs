@@ -2,7 +2,6 @@
 
 use crate::epochs::Epoch;
 use crate::error::{Error, Result};
-use crate::features::Features;
 use crate::sampling::SamplingStatistics;
 use std::time::{Duration, Instant};
 
@@ -163,9 +162,9 @@ impl Stop {
     pub const MAX_SAMPLES: u32 = 1 << 30;
 
     /// [`Stop::check`], and that the error is known where the bake is to end by it.
-    pub(super) fn check_for(&self, features: Features) -> Result<()> {
+    pub(super) fn check_for(&self, tells_error: bool) -> Result<()> {
         self.check()?;
-        if self.error.is_none() || features.contains(Features::HALVES) {
+        if self.error.is_none() || tells_error {
             return Ok(());
         }
         Err(Error::settings(

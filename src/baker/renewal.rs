@@ -12,9 +12,10 @@ use crate::scene::{Atlas, Scene};
 impl Baker {
     /// Takes the scene as it is from now on: its lights and their number, sky, materials, textures, and which of its
     /// instances may move, may all be others than before. What it now needs is built, what it no longer needs is let go,
-    /// and the light that has been gathered stays: the light map shows it at once, and what has not changed goes on as if
-    /// nothing had been. What has changed leaves as after any other change. Instances, their meshes and their light-map
-    /// coordinates stay as they are; instances that were taken out stay out.
+    /// and the light that has been gathered stays: the light map shows it at once, and where nothing has changed its
+    /// accumulation goes on. What has changed leaves as after any other change. Instances, their meshes and their light-map
+    /// coordinates stay as they are; movable instances that were taken out stay out. What frames cost, and where rays are
+    /// aimed, is found out anew.
     ///
     /// It waits for the device and takes about as long as [`Baker::new`]: no frame of the baker is under way, and the light
     /// maps that [`Baker::light_map`] gave are the same as before. After an error all is as it was.
@@ -45,7 +46,7 @@ impl Baker {
         let mut bvh = Bvh::build_for(scene, &atlas, Motion::OfMovables)?;
         let statistics = core.statistics.clone();
         let features = estimate.features;
-        let mut new = Core::new(&core.gpu, scene, &settings, &mut bvh, atlas, features, statistics, Some(&core.maps))?;
+        let mut new = Core::new(&core.gpu, scene, &settings, &mut bvh, atlas, features, statistics, Some(core))?;
         let renewed = Frames::new(&mut new, scene, bvh, frames.settings(), settings.sampling)?;
         frames.renew(core, renewed, &new);
         *core = new;

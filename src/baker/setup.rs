@@ -46,7 +46,7 @@ impl Baker {
         let estimate = MemoryEstimate::of_bake(scene, &atlas, settings);
         estimate.check(atlas.size.to_array(), gpu.info())?;
         if is_dark(scene, &atlas, settings) {
-            return Ok(Self(Running::Dark(Box::new(Dark::new(gpu, scene, atlas)?))));
+            return Ok(Self(Running::Dark(Box::new(Dark::new(gpu, scene, atlas, settings.error)?))));
         }
         if atlas.touched_texels == 0 {
             return Err(Error::scene(nothing_to_bake(scene)));
@@ -141,7 +141,7 @@ impl Core {
         Context { gpu: &self.gpu, constants: self.constants, scene: &self.scene, maps: &self.maps }
     }
 
-    /// `kept`: maps of the same layout whose light is taken over.
+    /// `kept`: what the maps of the same layout were made for whose light is taken over.
     #[expect(clippy::too_many_arguments, reason = "all that a bake is made from, in one place")]
     pub(super) fn new(
         gpu: &Gpu,
@@ -151,7 +151,7 @@ impl Core {
         atlas: Atlas,
         mut features: Features,
         mut statistics: Statistics,
-        kept: Option<&Maps>,
+        kept: Option<&Self>,
     ) -> Result<Self> {
         let started = Instant::now();
         let size = atlas.size.to_array();
@@ -162,6 +162,7 @@ impl Core {
         let mut commands = Commands::new(gpu)?;
         let nothing = Nothing::new(&mut commands)?;
         let mut device_scene = DeviceScene::new(gpu, &mut commands, scene, bvh, features, &nothing)?;
+        let kept = kept.map(|kept| (&kept.maps, kept.features));
         let mut maps = Maps::new(gpu, &mut commands, size, device_scene.sky_size(), features, &nothing, kept)?;
         let constants = Constants::new(features, bvh);
         let context = Context { gpu, constants, scene: &device_scene, maps: &maps };
@@ -209,6 +210,7 @@ impl Core {
             atlas,
             push,
             features,
+            looks: if features.contains(Features::DYNAMIC) { scene.looks() } else { 0 },
             statistics,
         })
     }

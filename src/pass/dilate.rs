@@ -15,7 +15,8 @@ pub(crate) struct Dilate {
 }
 
 impl Dilate {
-    pub(crate) fn new(context: Context<'_>, commands: &mut Commands) -> Result<Self> {
+    /// In a light map whose lit texels cover, and no others.
+    pub(crate) fn new(context: Context<'_>, commands: &mut Commands, light_map: &Image) -> Result<Self> {
         let maps = context.maps;
         let image = |name| {
             let (size, format) = (maps.size, vk::Format::R32_UINT);
@@ -30,7 +31,7 @@ impl Dilate {
         let resources = |before, after| {
             [
                 (binding::SURFACE, Resource::StorageImage(&maps.surface)),
-                (binding::LIGHT_MAP, Resource::StorageImage(&maps.light_map[0])),
+                (binding::LIGHT_MAP, Resource::StorageImage(light_map)),
                 (binding::NEAREST_BEFORE, Resource::StorageImage(before)),
                 (binding::NEAREST_AFTER, Resource::StorageImage(after)),
             ]

@@ -94,7 +94,8 @@ fn plans(size: [u32; 2], sky: [u32; 2], features: Features) -> [Plan; 14] {
 }
 
 impl Maps {
-    /// `sky`: size of the sky map, where there is one. `kept`: the light that these maps hold is taken over.
+    /// `sky`: size of the sky map, where there is one. `kept`: the light that these maps hold is taken over; they are those of
+    /// other features.
     pub(crate) fn new(
         gpu: &Gpu,
         commands: &mut Commands,
@@ -102,8 +103,10 @@ impl Maps {
         sky: [u32; 2],
         features: Features,
         nothing: &Nothing,
-        kept: Option<&Self>,
+        kept: Option<(&Self, Features)>,
     ) -> Result<Self> {
+        let lit_directly = kept.filter(|(_, before)| (*before & features).contains(Features::LIGHTS));
+        let kept = kept.map(|(kept, _)| kept);
         let plans = plans(size, sky, features);
         let usage = vk::ImageUsageFlags::STORAGE
             | vk::ImageUsageFlags::SAMPLED
@@ -132,7 +135,7 @@ impl Maps {
             albedo: optional(1, attachment)?,
             emission: optional(2, attachment)?,
             footprint: image(3, usage)?,
-            direct: optional(4, usage)?,
+            direct: lit_directly.map_or_else(|| optional(4, usage), |(kept, _)| Ok(kept.direct.clone()))?,
             mean_even: one(5, kept.map(|kept| &kept.mean_even))?,
             mean_odd: kept.map_or_else(|| optional(6, usage), |kept| Ok(kept.mean_odd.clone()))?,
             source: several(7, kept.map(|kept| &kept.source))?,

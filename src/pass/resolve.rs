@@ -4,7 +4,7 @@
 use super::{Context, TexelList, groups_of};
 use crate::error::Result;
 use crate::gpu::layout::{Push, binding};
-use crate::gpu::{BindingSet, ComputePipeline, RESOLVE, Recorder, Resource};
+use crate::gpu::{BindingSet, ComputePipeline, Image, RESOLVE, Recorder, Resource};
 use std::ops::Range;
 
 pub(crate) struct Resolve {
@@ -24,14 +24,14 @@ pub(crate) struct ResolveSums {
 }
 
 impl Resolve {
-    pub(crate) fn new(context: Context<'_>, texels: &TexelList) -> Result<Self> {
+    pub(crate) fn new(context: Context<'_>, texels: &TexelList, light_map: &Image) -> Result<Self> {
         let maps = context.maps;
         let resources = [
             (binding::TEXELS, Resource::Storage(&texels.buffer)),
             (binding::MEAN_EVEN, Resource::StorageImage(&maps.mean_even)),
             (binding::MEAN_ODD, Resource::StorageImage(&maps.mean_odd)),
             (binding::DIRECT, Resource::StorageImage(&maps.direct)),
-            (binding::LIGHT_MAP, Resource::StorageImage(&maps.light_map[0])),
+            (binding::LIGHT_MAP, Resource::StorageImage(light_map)),
             (binding::SUMS, Resource::Storage(&texels.sums)),
         ];
         let pipeline = ComputePipeline::new(context.gpu, &RESOLVE, context.constants, &resources)?;

@@ -19,6 +19,7 @@ pub(crate) use material::decode_srgb;
 
 use crate::error::{Error, Result};
 use glam::{DAffine3, DVec3, Vec3};
+use std::hash::{DefaultHasher, Hash, Hasher};
 
 /// Albedo is clamped to this, so that bounces converge (a closed room of albedo 1 has no finite answer).
 pub const MAX_ALBEDO: f32 = 0.999;
@@ -179,6 +180,31 @@ pub(crate) fn check_light_quantity(what: impl Fn() -> String, value: Vec3) -> Re
         return Ok(());
     }
     Err(Error::scene(format!("{} is {value}; allowed are finite numbers of at least 0", what())))
+}
+
+impl Scene {
+    /// A hash of what surfaces look like: materials, textures and where they lie, and of an only instance, which bakes in its
+    /// own space, how it is placed. Equal scenes have the same within a process.
+    pub(crate) fn looks(&self) -> u64 {
+        let mut hasher = DefaultHasher::new();
+        for Material { name: _, albedo, albedo_texture, emission, emission_texture, sidedness } in &self.materials {
+            [*albedo, *emission].map(|colour| colour.to_array().map(f32::to_bits)).hash(&mut hasher);
+            (albedo_texture, emission_texture, sidedness).hash(&mut hasher);
+        }
+        for Texture { name: _, width, height, pixels } in &self.textures {
+            (width, height, pixels).hash(&mut hasher);
+        }
+        for mesh in &self.meshes {
+            mesh.materials().hash(&mut hasher);
+            for corners in mesh.albedo_uvs().iter().chain(mesh.emission_uvs()) {
+                corners.map(|uv| uv.to_array().map(f32::to_bits)).hash(&mut hasher);
+            }
+        }
+        if let [only] = self.instances.as_slice() {
+            only.transform.to_cols_array().map(f64::to_bits).hash(&mut hasher);
+        }
+        hasher.finish()
+    }
 }
 
 #[cfg(test)]

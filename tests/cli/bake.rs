@@ -69,6 +69,9 @@ fn every_output_is_written_and_the_report_has_its_names() {
     let sum: f64 = ["cosine", "source", "sky"].iter().map(|technique| number(&shares[technique])).sum();
     assert!((sum - 1.0).abs() < 1e-9 && (0.0..=1.0).contains(&number(&sampling["alpha"])), "{report}");
     assert!(sampling["visible"]["source"].is_null() || number(&sampling["visible"]["source"]) <= 1.0, "{report}");
+    assert!(report["features"].as_array().is_some_and(|used| used.contains(&"IMPORTANCE".into())), "{report}");
+    let is_told = |item: &serde_json::Value| item["what"] == "no sky" && item["bytes_saved"].is_u64();
+    assert!(report["left_out"].as_array().is_some_and(|left_out| left_out.iter().any(is_told)), "{report}");
     assert!(sampling["visible"]["sky"].is_null() && number(&sampling["pyramids"]) >= 1.0, "{report}");
     assert!(report["warnings"].is_array());
     assert_eq!((&report["seed"], &report["interrupted"]), (&3.into(), &false.into()));

@@ -4,7 +4,9 @@ use crate::baker::Core;
 use crate::error::Result;
 use crate::features::Features;
 use crate::gpu::layout::Push;
+use crate::gpu::{Image, ImageDesc};
 use crate::pass::{Bake, Context, Dilate, Direct, Publish, Resolve, Source};
+use ash::vk;
 
 pub(super) struct Passes {
     pub(super) direct: Option<Direct>,
@@ -19,9 +21,14 @@ impl Passes {
     pub(super) fn new(core: &mut Core) -> Result<Self> {
         let context = Context { gpu: &core.gpu, constants: core.constants, scene: &core.scene, maps: &core.maps };
         let (texels, push) = (&core.texels, &core.push);
-        let resolve = Resolve::new(context, texels)?;
-        let dilate = Dilate::new(context, &mut core.commands)?;
+        // The engine's light maps may hold light already, and texels of another coverage.
+        let usage = vk::ImageUsageFlags::STORAGE | vk::ImageUsageFlags::TRANSFER_DST;
+        let (name, size, format) = ("lit texels", push.map_size, vk::Format::R32G32B32A32_SFLOAT);
+        let lit = Image::new(&core.gpu, ImageDesc { name, size, format, usage, mip_levels: 1 })?;
+        let resolve = Resolve::new(context, texels, &lit)?;
+        let dilate = Dilate::new(context, &mut core.commands, &lit)?;
         core.commands.run(|recorder| {
+            recorder.initialise(&[&lit]);
             resolve.record(recorder, push, 0..texels.count);
             dilate.record_search(recorder, push);
             Ok(())

@@ -30,11 +30,11 @@ impl Frames {
             let oldest = self.tiles.iter().copied().min_by(|one, other| one.visited_s.total_cmp(&other.visited_s));
             self.tiles = vec![oldest.unwrap_or_else(Tile::default); tiles.len()];
         }
-        let changes = world.follow(&self.world, before, after);
+        world.follow(&self.world, before, after);
         self.settling = settling.after(&self.settling);
         aiming.changed(self.sweeps, true);
-        // What is lit directly is as it was, unless that has changed or there was none.
-        self.direct_due |= direct_due && (self.passes.direct.is_none() || !changes.is_empty());
+        // Gathered anew, over what was kept: it may have been half done.
+        self.direct_due = direct_due;
         (self.passes, self.aiming, self.world, self.scheduler, self.used) = (passes, aiming, world, scheduler, used);
     }
 }

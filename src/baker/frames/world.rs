@@ -65,28 +65,30 @@ impl World {
         })
     }
 
-    /// Goes on from `old`: what was taken out stays out, and what differs has changed. Returns that.
-    pub(super) fn follow(&mut self, old: &Self, before: &Core, after: &Core) -> Changes {
+    /// Goes on from `old`: what was taken out stays out, and what differs has changed.
+    pub(super) fn follow(&mut self, old: &Self, before: &Core, after: &Core) {
+        let mut reappears = false;
         for (index, state) in old.instances.iter().enumerate() {
             if !state.present && self.instances[index].mobility == Mobility::Movable {
                 self.instances[index].present = false;
                 self.bvh.set_present(index, false);
             }
+            reappears |= !state.present && self.instances[index].present;
         }
         let sky = |world: &Self, core: &Core| (core.push.sky, world.sky_map.as_ref().map(|map| map.pixels().to_vec()));
         let placed = |world: &Self| world.bvh.instances.iter().map(|record| record.object_to_world).collect::<Vec<_>>();
         self.touched = 0..self.instances.len();
         // What was told and never came to be in a frame.
         let mut changes = old.changes;
-        changes.set(Changes::PLACING, changes.contains(Changes::PLACING) || placed(old) != placed(self));
+        changes.set(Changes::PLACING, changes.contains(Changes::PLACING) || reappears || placed(old) != placed(self));
         changes.set(Changes::LIGHTS, changes.contains(Changes::LIGHTS) || old.lights != self.lights);
         let emits_otherwise = before.scene.radiators.materials != after.scene.radiators.materials;
-        changes.set(Changes::EMISSION, changes.contains(Changes::EMISSION) || emits_otherwise);
+        let looks_otherwise = emits_otherwise || before.looks != after.looks;
+        changes.set(Changes::EMISSION, changes.contains(Changes::EMISSION) || looks_otherwise);
         changes.set(Changes::SKY, changes.contains(Changes::SKY) || sky(old, before) != sky(self, after));
         // A hierarchy that was made with all of them knows nothing of those that are out.
         let any_is_out = self.instances.iter().any(|state| !state.present);
         self.changes = changes | if any_is_out { Changes::PLACING } else { Changes::empty() };
-        changes
     }
 
     pub(in crate::baker) fn set_transform(&mut self, instance: usize, transform: &DAffine3) -> Result<()> {

@@ -76,7 +76,7 @@ impl Still {
         stretch: Stretch,
         progress: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
     ) -> Result<Outcome> {
-        stop.check_for(core.features)?;
+        stop.check_for(core.features.contains(Features::HALVES))?;
         let before = if stretch == Stretch::Part { self.baked } else { Duration::ZERO };
         let clock = Clock::starting_at(before);
         let mut state = match self.state.take() {

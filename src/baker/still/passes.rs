@@ -26,8 +26,8 @@ impl Passes {
             source: Source::new(context, texels)?,
             bake: Bake::new(context, texels)?,
             bounce: links.then(|| Bounce::new(context, texels)).transpose()?,
-            resolve: Resolve::new(context, texels)?,
-            dilate: Dilate::new(context, commands)?,
+            resolve: Resolve::new(context, texels, &context.maps.light_map[0])?,
+            dilate: Dilate::new(context, commands, &context.maps.light_map[0])?,
         };
         // On no texel: drivers that compile at the first use do so here, and not in a slice.
         let nothing = Push { map_size: [0, 0], rays: 1, ..core.push };

@@ -122,6 +122,8 @@ fn bake_text(scene: &Scene, arguments: &SceneArguments) -> Result<String> {
     let mut text = Text::default();
     layout_text(&mut text, &atlas);
     memory_text(&mut text, &memory);
+    let used: Vec<String> = memory.features.iter_names().map(|(name, _)| name.to_lowercase()).collect();
+    text.entry("used", if used.is_empty() { "nothing".into() } else { used.join(", ") });
     text.line("left out");
     let left_out = memory.left_out(scene, &atlas);
     for (what, saved) in &left_out {

@@ -32,6 +32,9 @@ pub(crate) struct Report {
     /// Relative; `null` where there are too few samples to tell.
     pub(crate) estimated_error: Option<f32>,
     pub(crate) sampling: Sampling,
+    /// What the bake used: names of features, in capitals.
+    pub(crate) features: Vec<&'static str>,
+    pub(crate) left_out: Vec<LeftOut>,
     pub(crate) seconds: Seconds,
     pub(crate) warnings: Vec<String>,
     pub(crate) instances: Vec<Place>,
@@ -113,6 +116,14 @@ pub(crate) struct Seconds {
     total: f64,
 }
 
+/// What the scene does not need.
+#[derive(Debug, Serialize)]
+pub(crate) struct LeftOut {
+    what: &'static str,
+    /// Of device memory, about; 0 where it saves time alone.
+    bytes_saved: u64,
+}
+
 /// Where an instance lies: texel = light-map coordinate * scale + offset.
 #[derive(Debug, Serialize)]
 pub(crate) struct Place {
@@ -142,6 +153,7 @@ impl Report {
         let (info, statistics, atlas) = (gpu.info(), baker.statistics(), baker.atlas());
         let passes = &statistics.seconds;
         let places = scene.instances().iter().zip(&atlas.rects);
+        let left_out = baker.memory_estimate(scene).left_out(scene, atlas);
         Self {
             scene: scene.name().to_owned(),
             device: info.name.clone(),
@@ -156,6 +168,8 @@ impl Report {
             mrays_per_s: statistics.mrays_per_s,
             estimated_error: statistics.estimated_error,
             sampling: Sampling::new(&statistics.sampling),
+            features: baker.features().iter_names().map(|(name, _)| name).collect(),
+            left_out: left_out.into_iter().map(|(what, bytes_saved)| LeftOut { what, bytes_saved }).collect(),
             seconds: Seconds {
                 load: measured.load,
                 bvh: passes.bvh,

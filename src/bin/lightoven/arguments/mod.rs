@@ -312,11 +312,9 @@ enum BackendArgument {
 
 impl Bake {
     /// Whether texels that have converged stop taking rays: only an estimated error tells which.
-    /// Nobody asks for the error where it neither ends the bake nor is told.
     pub(crate) fn error_estimate(&self) -> ErrorEstimate {
         match self.stop().error {
             Some(_) if !self.no_adaptive => ErrorEstimate::Adaptive,
-            None if self.quiet && self.report.is_none() => ErrorEstimate::None,
             _ => ErrorEstimate::Told,
         }
     }

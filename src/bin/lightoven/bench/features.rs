@@ -143,14 +143,16 @@ pub(super) fn measure(arguments: &Bench, scene: &Scene, bar: &Bar, start: Instan
         return Err(Error::new(ErrorKind::InvalidSettings, context));
     }
     let each: Vec<_> = std::iter::once(Features::empty()).chain(unneeded.iter()).chain([unneeded]).collect();
-    // Each alone first: bakers that live at a time share their pipelines.
+    // Each alone on a device of its own first: bakers of one share their pipelines, and what it has compiled.
     let mut alone = Vec::new();
     for switched_on in &each {
         if interrupt::requested() {
             return Ok(None);
         }
         bar.say(format!("compiling {switched_on:?}"));
-        alone.push(Subject::new(gpu, arguments, scene, *switched_on)?.pipelines);
+        let device = device::open(&arguments.device)?;
+        alone.push(Subject::new(device.gpu(), arguments, scene, *switched_on)?.pipelines);
+        device::fail_on_validation(&device)?;
     }
     let mut subjects = Vec::new();
     for (switched_on, pipelines) in each.into_iter().zip(alone) {
