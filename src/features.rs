@@ -43,6 +43,7 @@ impl Features {
     /// What `scene` needs when it changes while it is baked: of sky and lights also what may come.
     pub(crate) fn of_changing(scene: &Scene) -> Self {
         let mut features = Self::of(scene) | Self::DYNAMIC;
+        features.set(Self::SKY_MAP, matches!(scene.sky(), Sky::Map(_)));
         features.set(Self::SKY_CONSTANT, !features.contains(Self::SKY_MAP));
         features.set(Self::LIGHTS, !scene.lights().is_empty());
         let moves = scene.instances().iter().any(|instance| instance.mobility == Mobility::Movable);
@@ -60,7 +61,7 @@ impl Features {
         features.set(Self::UNMAPPED, meshes().any(|mesh| mesh.light_map_uvs().iter().any(Option::is_none)));
         features
             .set(Self::SKY_CONSTANT, matches!(scene.sky(), Sky::Constant(radiance) if radiance.max_element() > 0.0));
-        features.set(Self::SKY_MAP, matches!(scene.sky(), Sky::Map(_)));
+        features.set(Self::SKY_MAP, matches!(scene.sky(), Sky::Map(_)) && scene.sky().shines());
         features.set(Self::LIGHTS, scene.lights().iter().any(|light| light.intensity.max_element() > 0.0));
         features.set(Self::TEXTURES, meshes().any(|mesh| !mesh.albedo_uvs().is_empty()));
         features

@@ -140,6 +140,20 @@ fn pipelines_are_kept() {
     assert_eq!(files(&folder).len(), 1);
 }
 
+/// A pipe, which nobody writes to, would never end.
+#[cfg(unix)]
+#[test]
+fn what_is_no_file_is_not_read() {
+    let folder = tempfile::tempdir().unwrap();
+    run(folder.path());
+    let name = files(folder.path()).into_keys().next().unwrap();
+    let path = folder.path().join(name);
+    fs::remove_file(&path).unwrap();
+    assert!(std::process::Command::new("mkfifo").arg(&path).status().unwrap().success());
+    run(folder.path());
+    assert!(!fs::metadata(&path).unwrap().is_file(), "the pipe was replaced");
+}
+
 /// A bake does not need the folder.
 #[test]
 fn folders_that_cannot_be_written_are_no_error() {

@@ -5,8 +5,11 @@ use crate::gpu::{Backend, DeviceInfo, Gpu};
 use crate::io::write_beside;
 use std::fmt::Write as _;
 use std::fs;
-use std::io::Write as _;
+use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
+
+/// A file that is larger is not read: all of the pipelines are some megabytes.
+const MOST_BYTES: u64 = 1 << 28;
 
 /// A device's file in the folder. What cannot be read or written costs time only, and so is no error.
 pub(super) struct KeptPipelines {
@@ -18,7 +21,7 @@ pub(super) struct KeptPipelines {
 impl KeptPipelines {
     pub(super) fn read(folder: &Path, info: &DeviceInfo, backend: Backend) -> Self {
         let path = folder.join(file_name(info, backend));
-        let bytes = fs::read(&path).unwrap_or_else(|error| {
+        let bytes = read_file(&path).unwrap_or_else(|error| {
             tracing::debug!("cannot read '{}': {error}", path.display());
             Vec::new()
         });
@@ -42,6 +45,16 @@ impl KeptPipelines {
         let context = || format!("cannot write '{}'", self.path.display());
         write_beside(&self.path, |file| file.write_all(bytes).map_err(|error| Error::io(context(), error)))
     }
+}
+
+/// A file that is none, a pipe for instance, might never end.
+fn read_file(path: &Path) -> io::Result<Vec<u8>> {
+    let metadata = fs::metadata(path)?;
+    if !metadata.is_file() || metadata.len() > MOST_BYTES {
+        let text = format!("it is no file of at most {MOST_BYTES} bytes");
+        return Err(io::Error::new(io::ErrorKind::InvalidData, text));
+    }
+    fs::read(path)
 }
 
 /// The device, its driver and the back end.

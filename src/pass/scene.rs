@@ -64,10 +64,9 @@ impl DeviceScene {
             Backend::Software => Hierarchy::Software(upload_nodes(commands, bvh)?),
             Backend::RayQuery => Hierarchy::Hardware(Box::new(SceneStructure::new(gpu, commands, bvh, &triangles)?)),
         };
-        // One that is dark now may shine later.
-        let matters = |light: &&Light| features.contains(Features::DYNAMIC) || light.intensity != Vec3::ZERO;
         let lights: Vec<layout::Light> =
-            scene.lights().iter().filter(matters).map(|light| encode_light(light, bvh.centre)).collect();
+            lights_that_matter(scene, features).map(|light| encode_light(light, bvh.centre)).collect();
+        let sky = if features.contains(Features::SKY_MAP) { scene.sky() } else { &Sky::Black };
         Ok(Self {
             hierarchy,
             triangles,
@@ -80,7 +79,7 @@ impl DeviceScene {
             texcoords: upload_any(commands, "texture coordinates", &texcoords, nothing)?,
             light_count: lights.len() as u32,
             lights: upload_any(commands, "lights", &lights, nothing)?,
-            sky: upload_sky(commands, scene.sky(), nothing)?,
+            sky: upload_sky(commands, sky, nothing)?,
             sky_shines: scene.sky().shines(),
             sampler: Sampler::new(gpu, [vk::SamplerAddressMode::CLAMP_TO_EDGE; 2])?,
         })
@@ -170,15 +169,28 @@ impl DeviceScene {
             ("triangles", size(size_of::<crate::bvh::Triangle>(), triangles)),
             ("primitives", size(size_of::<layout::Primitive>(), triangles)),
             ("instances", size(size_of::<InstanceRecord>(), scene.instances().len() as u64)),
+            ("materials", size(size_of::<layout::Material>(), scene.materials().len() as u64)),
         ];
+        let lights = lights_that_matter(scene, features).count() as u64;
+        if lights > 0 {
+            parts.push(("lights", size(size_of::<layout::Light>(), lights)));
+        }
         if features.contains(Features::TEXTURES) {
             parts.push(("texture coordinates", size(size_of::<layout::Texcoords>(), triangles)));
         }
-        if let Sky::Map(map) = scene.sky() {
+        if let Sky::Map(map) = scene.sky()
+            && features.contains(Features::SKY_MAP)
+        {
             parts.push(("sky map", size(16, map.pixels.len() as u64)));
         }
         parts
     }
+}
+
+/// One that is dark now may shine later, where the scene changes.
+fn lights_that_matter(scene: &Scene, features: Features) -> impl Iterator<Item = &Light> {
+    let all = features.contains(Features::DYNAMIC);
+    scene.lights().iter().filter(move |light| all || light.intensity != Vec3::ZERO)
 }
 
 /// What the software back end traces rays in is read one way or the other.

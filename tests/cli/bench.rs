@@ -123,3 +123,12 @@ fn features_tell_what_each_of_them_costs() {
     assert!(number(&most["bytes"]) > number(&least["bytes"]) * 1.2, "{report}");
     assert!(number(&most["spirv_bytes"]) > number(&least["spirv_bytes"]) * 1.2, "{report}");
 }
+
+#[test]
+fn features_of_a_dark_scene_cost_nothing_to_tell() {
+    let folder = Folder::new();
+    let dark = folder.write("dark.gltf", r#"{"asset":{"version":"2.0"}}"#);
+    let found = run(["bench", &dark, "--features"]);
+    assert_eq!(found.code, Some(1), "{found:?}");
+    assert_says(&found.stderr, &["'dark'", "nothing to measure"]);
+}

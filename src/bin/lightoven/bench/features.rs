@@ -132,8 +132,12 @@ impl Subject {
 /// `None` when it was interrupted.
 ///
 /// # Errors
-/// `InvalidSettings` for a scene that needs everything.
+/// `InvalidSettings` for a scene that needs everything; `InvalidScene` for one that can only be dark.
 pub(super) fn measure(arguments: &Bench, scene: &Scene, bar: &Bar, start: Instant) -> Result<Option<Report>> {
+    if estimate_memory(scene, &settings(arguments, Features::empty()))?.1.is_dark {
+        let context = format!("nothing shines in '{}', or nothing is lit: there is nothing to measure", scene.name());
+        return Err(Error::new(ErrorKind::InvalidScene, context));
+    }
     let device = device::open(&arguments.device)?;
     let gpu = device.gpu();
     let needed = Features::required(scene, &settings(arguments, Features::empty()));
