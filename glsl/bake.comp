@@ -22,7 +22,7 @@ layout(set = 0, binding = 30, rgba32f) writeonly uniform image2D sky_evidence_im
 // What rays that were aimed at a cluster from a group of texels have found: as src/pass/clusters.rs has it.
 layout(set = 0, binding = 39, std430) buffer Sightings { uint sightings[]; };
 
-// `[work group of the whole list]`: a bit for each field, whether its texels take rays.
+// `[work group of the whole list]`: a bit for each field, whether its texels take rays. Static.
 layout(set = 0, binding = 42, std430) readonly buffer Activity { uint activity[]; };
 
 const uint TRIED = 1u;
@@ -137,7 +137,7 @@ void main() {
     uvec2 texel;
     if (!texel_of_invocation(texel)) return;
     uint place = push.first_texel + index_of_invocation();
-    if (ADAPTIVE && (activity[place / gl_WorkGroupSize.x] >> field_of_invocation() & 1u) == 0u) return;
+    if (!DYNAMIC && (activity[place / gl_WorkGroupSize.x] >> field_of_invocation() & 1u) == 0u) return;
     uvec4 g = imageLoad(surface_image, ivec2(texel));
     if (DYNAMIC && (instances[g.x - 1u].flags & INSTANCE_ABSENT) != 0u) return;
     Receiver r;

@@ -44,7 +44,7 @@ float sky_leaf(uvec2 pixel) {
 
 // Mean luminance over the pieces of what they emit, which in a dynamic scene the source map does not hold.
 float emitted(ivec2 texel, Shared s, float area) {
-    vec3 colour = TEXTURES ? imageLoad(emission_image, texel).rgb : vec3(1.0);
+    vec3 colour = EMISSION_TEXTURES ? imageLoad(emission_image, texel).rgb : vec3(1.0);
     float sum = 0.0;
     for (uint i = 0u; i < s.count; ++i) {
         Piece piece = piece_at(s, i);

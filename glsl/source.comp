@@ -24,11 +24,11 @@ void main() {
     if (texel_of_invocation(texel)) {
         uvec4 g = imageLoad(surface_image, ivec2(texel));
         Material material = materials[primitives[g.y].material];
-        vec3 albedo = TEXTURES ? imageLoad(albedo_image, ivec2(texel)).rgb : material.albedo;
+        vec3 albedo = material.albedo * (ALBEDO_TEXTURES ? imageLoad(albedo_image, ivec2(texel)).rgb : vec3(1.0));
         albedo = min(albedo, vec3(MAX_ALBEDO));
         vec3 radiance = albedo * reflected_irradiance(ivec2(texel)) / PI;
         if (!DYNAMIC) {
-            radiance += material.emission * (TEXTURES ? imageLoad(emission_image, ivec2(texel)).rgb : vec3(1.0));
+            radiance += material.emission * (EMISSION_TEXTURES ? imageLoad(emission_image, ivec2(texel)).rgb : vec3(1.0));
         }
         bool valid = !any(isnan(radiance)) && !any(isinf(radiance));
         if (!valid) radiance = vec3(0.0);

@@ -8,7 +8,7 @@ layout(set = 0, binding = 0, std430) readonly buffer Nodes { Node nodes[]; };
 
 // The buffers of nodes and of triangles once more, as texels of four words.
 layout(set = 0, binding = 43) uniform usamplerBuffer node_texels;
-layout(set = 0, binding = 44) uniform usamplerBuffer triangle_texels;
+layout(set = 0, binding = 15) uniform usamplerBuffer triangle_texels;
 
 const uint LEAF = 0x80000000u;
 const uint LEAF_FIRST = 0x03ffffffu;

@@ -58,12 +58,6 @@ struct Light {
     uint pad2;
 };
 
-// Texture coordinates of a triangle's corners.
-struct Texcoords {
-    vec2 albedo[3];
-    vec2 emission[3];
-};
-
 // A primitive as an instance has it, and how far its sheet reaches within a texel: least and greatest x and y, two unorm16
 // each, or 0 where the primitive's own bounds tell.
 struct Piece {
@@ -109,21 +103,20 @@ layout(constant_id = 1) const uint STACK_SIZE = 64u;
 layout(constant_id = 3) const bool TEXEL_BUFFERS = false; // whether the hierarchy is read as texels
 
 // Bits of FEATURES, in the order of src/features.rs.
-const bool INSTANCES = (FEATURES & 1u) != 0u;      // a top level over more than one mesh placement
-const bool SINGLE_SIDED = (FEATURES & 2u) != 0u;   // some surface is black from behind
-const bool UNMAPPED = (FEATURES & 4u) != 0u;       // some triangle has no place in the light map
-const bool SKY_CONSTANT = (FEATURES & 8u) != 0u;
-const bool SKY_MAP = (FEATURES & 16u) != 0u;
-const bool LIGHTS = (FEATURES & 32u) != 0u;
-const bool TEXTURES = (FEATURES & 64u) != 0u;
-const bool DYNAMIC = (FEATURES & 128u) != 0u;      // the light map follows a scene that changes
-const bool IMPORTANCE = (FEATURES & 256u) != 0u;   // rays are aimed at light as well
-const bool SHARED_TEXELS = (FEATURES & 512u) != 0u; // something that emits shares a texel with another surface
-const bool CLUSTERS = (FEATURES & 1024u) != 0u;    // rays are aimed by distance as well
-const bool VISIBILITY = (FEATURES & 2048u) != 0u;  // and by what has been seen
-const bool LINKS = (FEATURES & 4096u) != 0u;       // light goes again along rays that are kept
-const bool ADAPTIVE = (FEATURES & 8192u) != 0u;    // texels that have converged take no more rays
-const bool HALVES = (FEATURES & 16384u) != 0u;     // samples are kept in two halves, which tell the error
+const bool INSTANCES = (FEATURES & 1u) != 0u;         // a top level over more than one mesh placement
+const bool SINGLE_SIDED = (FEATURES & 2u) != 0u;      // some surface is black from behind
+const bool UNMAPPED = (FEATURES & 4u) != 0u;          // some triangle has no place in the light map
+const bool SKY_MAP = (FEATURES & 8u) != 0u;
+const bool LIGHTS = (FEATURES & 16u) != 0u;
+const bool ALBEDO_TEXTURES = (FEATURES & 32u) != 0u;  // albedo differs within a surface of the light map
+const bool EMISSION_TEXTURES = (FEATURES & 64u) != 0u;
+const bool DYNAMIC = (FEATURES & 128u) != 0u;         // the light map follows a scene that changes
+const bool IMPORTANCE = (FEATURES & 256u) != 0u;      // rays are aimed at light as well
+const bool SHARED_TEXELS = (FEATURES & 512u) != 0u;   // something that emits shares a texel with another surface
+const bool CLUSTERS = (FEATURES & 1024u) != 0u;       // rays are aimed by distance as well
+const bool VISIBILITY = (FEATURES & 2048u) != 0u;     // and by what has been seen
+const bool LINKS = (FEATURES & 4096u) != 0u;          // light goes again along rays that are kept
+const bool HALVES = (FEATURES & 8192u) != 0u;         // samples are kept in two halves, which tell the error
 
 layout(push_constant, std430) uniform Push {
     uvec2 map_size;       // texels
@@ -133,7 +126,7 @@ layout(push_constant, std430) uniform Push {
     uint quantum_count;   // importance: 0 = nobody reads its sums
     uint light_count;
     uint root;            // where a ray starts in the hierarchy
-    vec3 sky;             // constant radiance
+    vec3 sky;             // where there is no map of it: the same radiance everywhere, or black
     float origin_offset;  // along the geometric normal, scene units
     uvec2 seed;
     uint instance;        // gbuffer: the instance drawn; importance: 1 = of the sky

@@ -11,7 +11,7 @@ layout(set = 0, binding = 18, rgba32f) readonly uniform image2D emission_image;
 // In a dynamic scene the source map holds what is reflected, and emission, which may change at any time, is added here.
 vec3 emitted(uint primitive, ivec2 texel) {
     vec3 emission = materials[primitives[primitive].material].emission;
-    return TEXTURES && emission != vec3(0.0) ? emission * imageLoad(emission_image, texel).rgb : emission;
+    return EMISSION_TEXTURES && emission != vec3(0.0) ? emission * imageLoad(emission_image, texel).rgb : emission;
 }
 
 // In texels of the light map.

@@ -41,8 +41,7 @@ float sky_solid_angle(uint row, uvec2 size) {
 }
 
 vec3 sky_radiance(vec3 direction) {
-    if (SKY_CONSTANT) return push.sky;
-    return SKY_MAP ? texelFetch(sky_map, sky_pixel(direction), 0).rgb : vec3(0.0);
+    return SKY_MAP ? texelFetch(sky_map, sky_pixel(direction), 0).rgb : push.sky;
 }
 
 #endif

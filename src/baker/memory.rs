@@ -6,7 +6,7 @@ use crate::error::{Error, ErrorKind, Result};
 use crate::features::Features;
 use crate::gpu::DeviceInfo;
 use crate::gpu::layout::GROUP;
-use crate::pass::{Aim, DeviceScene, Links, Maps, Sources};
+use crate::pass::{Aim, DeviceScene, Gbuffer, Links, Maps, Sources};
 use crate::scene::{Atlas, Scene, Sky};
 
 /// Device memory by what it is for.
@@ -65,15 +65,16 @@ impl MemoryEstimate {
             parts.push(("importance sums", Aim::sums_bytes(size)));
             let emits = scene.materials().iter().any(crate::scene::Material::is_emissive);
             // Whether texels are shared is seen when they are looked at.
-            parts.extend(emits.then_some(("pieces map", all * 4)));
+            let may_share = emits || features.contains(Features::SHARED_TEXELS);
+            parts.extend(may_share.then_some(("pieces map", all * 4)));
         }
         if features.contains(Features::CLUSTERS) {
-            parts.push(("clusters", all * 4 + Sources::bytes(baked)));
+            parts.push(("clusters", all * 4 + Sources::bytes(baked, features)));
         }
         if let Some(rays) = linked_rays {
             parts.push(("links", Links::bytes(baked, rays)));
         }
-        if features.contains(Features::ADAPTIVE) {
+        if !is_dynamic {
             parts.push(("activity", groups * 4));
         }
         parts.extend(DeviceScene::bytes(scene, features));
@@ -82,10 +83,7 @@ impl MemoryEstimate {
         if is_dynamic {
             set_up.push(("lit texels", all * 16));
         }
-        if features.contains(Features::TEXTURES) {
-            let pixels: u64 = scene.textures().iter().map(|t| u64::from(t.width) * u64::from(t.height)).sum();
-            set_up.push(("textures", pixels * 4 * 4 / 3));
-        }
+        set_up.extend(Gbuffer::texture_bytes(scene, features));
         Self { parts, set_up, features, is_dark: false }
     }
 

@@ -6,28 +6,24 @@ use crate::features::Features;
 use crate::scene::Scene;
 
 /// What is built on something else, from the top.
-const STANDS_ON: [(Features, Features); 3] = [
-    (Features::VISIBILITY, Features::CLUSTERS),
-    (Features::CLUSTERS, Features::IMPORTANCE),
-    (Features::ADAPTIVE, Features::HALVES),
-];
+const STANDS_ON: [(Features, Features); 2] =
+    [(Features::VISIBILITY, Features::CLUSTERS), (Features::CLUSTERS, Features::IMPORTANCE)];
 
 impl Features {
     /// Those that may be switched on without being needed.
     pub const LEFT_OUT_AT_WILL: Self = Self::INSTANCES
         .union(Self::SINGLE_SIDED)
         .union(Self::UNMAPPED)
-        .union(Self::SKY_CONSTANT)
         .union(Self::SKY_MAP)
         .union(Self::LIGHTS)
-        .union(Self::TEXTURES)
+        .union(Self::ALBEDO_TEXTURES)
+        .union(Self::EMISSION_TEXTURES)
         .union(Self::IMPORTANCE)
         .union(Self::SHARED_TEXELS)
         .union(Self::CLUSTERS)
         .union(Self::VISIBILITY)
         .union(Self::LINKS)
-        .union(Self::HALVES)
-        .union(Self::ADAPTIVE);
+        .union(Self::HALVES);
 
     /// What a bake of `scene` with these settings needs, and what they switch on beside it. [`Features::SHARED_TEXELS`] is
     /// found out when texels are looked at, and [`Features::LINKS`] given up where there is no room.
@@ -47,7 +43,6 @@ impl Features {
         let reflects = scene.materials().iter().any(|material| material.albedo.max_element() > 0.0);
         features.set(Self::LINKS, is_still && reflects && bounces > 1);
         features.set(Self::HALVES, is_still && settings.error != ErrorEstimate::None);
-        features.set(Self::ADAPTIVE, is_still && settings.error == ErrorEstimate::Adaptive);
         (features | settings.unneeded).with_what_they_stand_on()
     }
 
@@ -91,13 +86,13 @@ mod tests {
         let cosine = BakeSettings { sampling: Sampling::Cosine, ..BakeSettings::default() };
         let aims = Features::IMPORTANCE | Features::CLUSTERS | Features::VISIBILITY;
         assert!(needs(BakeSettings::default()).contains(aims | Features::LINKS | Features::HALVES));
-        assert!(!needs(cosine.clone()).intersects(aims | Features::ADAPTIVE));
+        assert!(!needs(cosine.clone()).intersects(aims));
         let by_power = BakeSettings { aimed_by: AimedBy::Power, ..BakeSettings::default() };
         assert_eq!(needs(by_power) & aims, Features::IMPORTANCE);
-        let error = |error| needs(BakeSettings { error, ..cosine.clone() }) & (Features::HALVES | Features::ADAPTIVE);
+        let error = |error| needs(BakeSettings { error, ..cosine.clone() }) & Features::HALVES;
         assert_eq!(error(ErrorEstimate::None), Features::empty());
         assert_eq!(error(ErrorEstimate::Told), Features::HALVES);
-        assert_eq!(error(ErrorEstimate::Adaptive), Features::HALVES | Features::ADAPTIVE);
+        assert_eq!(error(ErrorEstimate::Adaptive), Features::HALVES);
         let once = BakeSettings { bounces: Bounces::Limit(1), ..cosine.clone() };
         assert!(!needs(once).contains(Features::LINKS) && needs(cosine.clone()).contains(Features::LINKS));
         assert!(!Features::required(&scene(0.0), &cosine).contains(Features::LINKS));
@@ -114,8 +109,7 @@ mod tests {
             })
         };
         assert!(with(Features::VISIBILITY).contains(Features::CLUSTERS | Features::IMPORTANCE));
-        assert!(with(Features::ADAPTIVE).contains(Features::HALVES));
-        assert!(!with(Features::HALVES).intersects(Features::ADAPTIVE | Features::IMPORTANCE));
+        assert!(!with(Features::HALVES).intersects(Features::IMPORTANCE));
     }
 
     #[test]

@@ -176,9 +176,12 @@ impl Core {
             if let Some(Pieces { codes, list }) = pieces {
                 features |= Features::SHARED_TEXELS;
                 (maps.pieces, device_scene.pieces) = (codes, list);
+            } else if features.contains(Features::SHARED_TEXELS) {
+                maps.pieces = Pieces::codes_of_none(&mut commands, size)?;
             }
             if features.contains(Features::CLUSTERS) {
-                maps.sources = Sources::new(&mut commands, bvh, &device_scene, size, &surfaces)?;
+                let blind = (!features.contains(Features::VISIBILITY)).then_some(&nothing);
+                maps.sources = Sources::new(&mut commands, blind, bvh, &device_scene, size, &surfaces)?;
             }
             device_scene.host_primitives = Vec::new();
         }
@@ -188,8 +191,8 @@ impl Core {
         if let Some(rays) = linked_rays {
             maps.links = Links::new(gpu, texels.count, rays)?;
         }
-        if features.contains(Features::ADAPTIVE) {
-            maps.activity = activity(gpu, texels.fields.len())?;
+        if !features.contains(Features::DYNAMIC) {
+            maps.activity = activity(&mut commands, texels.fields.len())?;
         }
         let constants = Constants::new(features, bvh);
         if !movable.is_empty() {

@@ -19,9 +19,9 @@ pub(crate) mod binding {
     pub(crate) const SOURCE_MAP: u32 = 10;
     pub(crate) const MEAN_EVEN: u32 = 11;
     pub(crate) const MEAN_ODD: u32 = 12;
-    pub(crate) const ALBEDO_TEXTURE: u32 = 13;
-    pub(crate) const EMISSION_TEXTURE: u32 = 14;
-    pub(crate) const TEXCOORDS: u32 = 15;
+    pub(crate) const TEXTURE: u32 = 13;
+    pub(crate) const TEXCOORDS: u32 = 14;
+    pub(crate) const TRIANGLE_TEXELS: u32 = 15;
     pub(crate) const DIRECT: u32 = 16;
     pub(crate) const ALBEDO: u32 = 17;
     pub(crate) const EMISSION: u32 = 18;
@@ -50,7 +50,6 @@ pub(crate) mod binding {
     pub(crate) const LINKS: u32 = 41;
     pub(crate) const ACTIVITY: u32 = 42;
     pub(crate) const NODE_TEXELS: u32 = 43;
-    pub(crate) const TRIANGLE_TEXELS: u32 = 44;
 }
 
 /// What a hit needs of a triangle.
@@ -143,14 +142,6 @@ pub(crate) struct Light {
     pub(crate) pad0: u32,
     pub(crate) pad1: u32,
     pub(crate) pad2: u32,
-}
-
-/// Texture coordinates of a triangle's corners.
-#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
-#[repr(C)]
-pub(crate) struct Texcoords {
-    pub(crate) albedo: [[f32; 2]; 3],
-    pub(crate) emission: [[f32; 2]; 3],
 }
 
 /// A ray that the host asks about.

@@ -7,6 +7,7 @@ use super::{Context, DeviceScene, GROUPS_IN_A_ROW};
 use crate::bvh::Bvh;
 use crate::clusters::{Clusters as Layout, LEAST_GROUP_SITES, MOST_CLUSTERS, MOST_GROUPS, Site};
 use crate::error::Result;
+use crate::features::Features;
 use crate::gpu::layout::{self, Push, binding};
 use crate::gpu::{
     BindingSet, Buffer, BufferDesc, CLUSTERS, Commands, ComputePipeline, Image, ImageDesc, Location, Recorder,
@@ -62,9 +63,10 @@ impl Sources {
         }
     }
 
-    /// `surfaces`: the g-buffer's.
+    /// `surfaces`: the g-buffer's. `nothing`: what stands for sightings where none are needed.
     pub(crate) fn new(
         commands: &mut Commands,
+        nothing: Option<&Nothing>,
         bvh: &Bvh,
         scene: &DeviceScene,
         size: [u32; 2],
@@ -73,11 +75,17 @@ impl Sources {
         let (texels, sites) = sites_of(bvh, scene, size, surfaces);
         let layout = Layout::of(&sites);
         let places: Vec<u32> = layout.order.iter().map(|site| texels[*site as usize]).collect();
-        Self::upload(commands, &layout, &places, size)
+        Self::upload(commands, nothing, &layout, &places, size)
     }
 
     /// `places`: texels, cluster by cluster.
-    fn upload(commands: &mut Commands, layout: &Layout, places: &[u32], size: [u32; 2]) -> Result<Self> {
+    fn upload(
+        commands: &mut Commands,
+        nothing: Option<&Nothing>,
+        layout: &Layout,
+        places: &[u32],
+        size: [u32; 2],
+    ) -> Result<Self> {
         let cluster = |range: &Range<u32>| layout::Cluster {
             first: range.start,
             count: range.end - range.start,
@@ -95,7 +103,7 @@ impl Sources {
             seats: Arc::new(commands.upload_image(desc, &seats)?),
             group_ends: upload(commands, "groups", &layout.groups.iter().map(|range| range.end).collect::<Vec<_>>())?,
             weights: upload(commands, "weights of clusters", &vec![0.0_f32; table.len()])?,
-            sightings: upload(commands, "sightings", &table)?,
+            sightings: nothing.map_or_else(|| upload(commands, "sightings", &table), |nothing| Ok(nothing.buffer()))?,
             cluster_count: clusters.len() as u32,
             group_count: layout.groups.len() as u32,
             tells_every: layout.group_sites.div_ceil(SITES_THAT_TELL).max(1),
@@ -105,13 +113,14 @@ impl Sources {
 
 impl Sources {
     /// Bytes of so many texels, about, without their seats.
-    pub(crate) fn bytes(texels: u64) -> u64 {
-        // Place and sum of each texel, two tables of groups by clusters. Halving makes groups from half full to full.
+    pub(crate) fn bytes(texels: u64, features: Features) -> u64 {
+        // Place and sum of each texel, and tables of groups by clusters. Halving makes groups from half full to full.
+        let tables = if features.contains(Features::VISIBILITY) { 2 } else { 1 };
         let clusters = texels.min(MOST_CLUSTERS as u64);
         let sites = LEAST_GROUP_SITES.max((texels as usize).div_ceil(MOST_GROUPS)) as f64;
         let halved = texels as f64 / (sites * std::f64::consts::LN_2);
         let groups = (halved as u64).max(clusters);
-        8 * texels + clusters * (size_of::<layout::Cluster>() as u64 + 8 * groups) + 4 * groups
+        8 * texels + clusters * (size_of::<layout::Cluster>() as u64 + 4 * tables * groups) + 4 * groups
     }
 }
 

@@ -1,8 +1,8 @@
 //! Draws the g-buffer in light-map space: which point of which triangle each texel is.
-//! Reads the scene and its textures; writes the surface map, and with textures those of albedo and emission. Two
-//! triangles a triangle.
+//! Reads the scene and its textures; writes the surface map, and with textures of albedo or of emission the map of each.
+//! Two triangles a triangle.
 
-use super::textures::{Batch, Textures, batches};
+use super::textures::{Batch, Pair, TextureKind, Textures, batches};
 use super::{Context, DeviceScene, Maps};
 use crate::bvh::Bvh;
 use crate::error::Result;
@@ -20,16 +20,23 @@ pub(crate) struct Gbuffer {
     pipeline: RasterPipeline,
     depth: Image,
     draws: Vec<Draw>,
-    /// Where there are any, albedo and emission are drawn too.
-    textures: Option<Textures>,
+    /// One for each kind of texture; one without where there are none.
+    layers: Vec<Layer>,
     _list: Buffer,
 }
 
 /// A batch of an instance.
 struct Draw {
     instance: u32,
-    set: std::rc::Rc<BindingSet>,
+    batch: usize,
     vertices: std::ops::Range<u32>,
+}
+
+/// The surface map, and a map of textures that is drawn with it.
+struct Layer {
+    textures: Option<Textures>,
+    /// `[batch]`
+    sets: Vec<BindingSet>,
 }
 
 const VERTICES: u32 = 6;
@@ -37,8 +44,12 @@ const VERTICES: u32 = 6;
 impl Gbuffer {
     pub(crate) fn new(context: Context<'_>, commands: &mut Commands, scene: &Scene, bvh: &Bvh) -> Result<Self> {
         let Context { gpu, constants, scene: device_scene, maps } = context;
-        let textured = Features::from_bits_truncate(constants.features).contains(Features::TEXTURES);
-        let textures = textured.then(|| Textures::new(gpu, commands, scene)).transpose()?;
+        let kinds = TextureKind::needed(Features::from_bits_truncate(constants.features));
+        let textures = kinds.into_iter().map(|kind| Textures::new(commands, scene, bvh, kind).map(Some));
+        let mut textures = textures.collect::<Result<Vec<_>>>()?;
+        if textures.is_empty() {
+            textures.push(None);
+        }
         let (batches, primitives) = batches(scene, bvh);
         let list = commands.upload(
             BufferDesc {
@@ -50,18 +61,21 @@ impl Gbuffer {
             &primitives,
         )?;
         let depth = create_depth(gpu, commands, maps.size)?;
-        let pipeline = create_pipeline(gpu, constants, device_scene, textures.as_ref(), &list)?;
-        let mut draws = Vec::new();
-        for batch in &batches {
-            let set =
-                std::rc::Rc::new(pipeline.bind(&resources(device_scene, textures.as_ref(), &list, batch.pair))?);
-            draws.extend(draws_of(scene, batch).map(|(instance, vertices)| Draw {
-                instance,
-                set: set.clone(),
-                vertices,
-            }));
-        }
-        Ok(Self { pipeline, depth, draws, textures, _list: list })
+        let pipeline = create_pipeline(gpu, constants, device_scene, textures[0].as_ref(), &list)?;
+        let layer = |textures: Option<Textures>| {
+            let set = |batch: &Batch| pipeline.bind(&resources(device_scene, textures.as_ref(), &list, batch.pair));
+            let sets = batches.iter().map(set).collect::<Result<_>>()?;
+            Ok(Layer { textures, sets })
+        };
+        let layers = textures.into_iter().map(layer).collect::<Result<_>>()?;
+        Ok(Self { pipeline, depth, draws: draws_of(scene, &batches), layers, _list: list })
+    }
+
+    /// Bytes that textures take on the device until the pass has run, about.
+    pub(crate) fn texture_bytes(scene: &Scene, features: Features) -> Option<(&'static str, u64)> {
+        let kinds = TextureKind::needed(features);
+        let bytes = kinds.iter().map(|kind| Textures::bytes(scene, *kind, DeviceScene::triangles(scene))).sum();
+        (!kinds.is_empty()).then_some(("textures", bytes))
     }
 
     pub(crate) fn record(&self, recorder: &mut Recorder<'_>, maps: &Maps, push: &Push) {
@@ -80,42 +94,46 @@ impl Gbuffer {
         push: &Push,
         part: &dyn Fn(std::ops::Range<u32>) -> std::ops::Range<u32>,
     ) {
-        let mut color = vec![&maps.surface];
-        if self.textures.is_some() {
-            color.extend([&*maps.albedo, &maps.emission]);
+        for layer in &self.layers {
+            let tints = layer.textures.iter().map(|textures| textures.kind.map(maps));
+            let color: Vec<&Image> = std::iter::once(&maps.surface).chain(tints).collect();
+            recorder.render(c"gbuffer", &color, &self.depth, &mut |rendering: &mut Rendering| {
+                for draw in &self.draws {
+                    let push = Push { instance: draw.instance, ..*push };
+                    rendering.draw(&self.pipeline, &layer.sets[draw.batch], &push, part(draw.vertices.clone()));
+                }
+            });
         }
-        recorder.render(c"gbuffer", &color, &self.depth, &mut |rendering: &mut Rendering| {
-            for draw in &self.draws {
-                let push = Push { instance: draw.instance, ..*push };
-                rendering.draw(&self.pipeline, &draw.set, &push, part(draw.vertices.clone()));
-            }
-        });
     }
 }
 
-/// (instance, vertices) of every instance of the batch's mesh.
-fn draws_of<'a>(scene: &'a Scene, batch: &'a Batch) -> impl Iterator<Item = (u32, std::ops::Range<u32>)> + 'a {
-    let of_mesh = scene.instances().iter().enumerate().filter(|(_, instance)| instance.mesh == batch.mesh);
-    of_mesh.map(|(index, _)| (index as u32, batch.triangles.start * VERTICES..batch.triangles.end * VERTICES))
+/// Batch by batch, each for every instance of its mesh.
+fn draws_of(scene: &Scene, batches: &[Batch]) -> Vec<Draw> {
+    let mut instances = vec![Vec::new(); scene.meshes().len()];
+    for (index, instance) in scene.instances().iter().enumerate() {
+        instances[instance.mesh].push(index as u32);
+    }
+    let mut draws = Vec::new();
+    for (batch, Batch { mesh, triangles, .. }) in batches.iter().enumerate() {
+        let vertices = triangles.start * VERTICES..triangles.end * VERTICES;
+        draws.extend(instances[*mesh].iter().map(|&instance| Draw { instance, batch, vertices: vertices.clone() }));
+    }
+    draws
 }
 
 fn resources<'a>(
     scene: &'a DeviceScene,
     textures: Option<&'a Textures>,
     list: &'a Buffer,
-    pair: super::textures::Pair,
+    pair: Pair,
 ) -> Vec<(u32, Resource<'a>)> {
     let mut resources = scene.surface_resources();
     resources.push((binding::TEXELS, Resource::Storage(list)));
     if let Some(textures) = textures {
-        let texture = |usage| {
-            let (image, sampler) = textures.of(usage);
-            Resource::Texture(image, sampler)
-        };
+        let (image, sampler) = textures.of(pair);
         resources.extend([
-            (binding::ALBEDO_TEXTURE, texture(pair[0])),
-            (binding::EMISSION_TEXTURE, texture(pair[1])),
-            (binding::TEXCOORDS, Resource::Storage(&scene.texcoords)),
+            (binding::TEXTURE, Resource::Texture(image, sampler)),
+            (binding::TEXCOORDS, Resource::Storage(&textures.texcoords)),
         ]);
     }
     resources
@@ -140,7 +158,7 @@ fn create_pipeline(
     textures: Option<&Textures>,
     list: &Buffer,
 ) -> Result<RasterPipeline> {
-    let formats = [vk::Format::R32G32B32A32_UINT, vk::Format::R32G32B32A32_SFLOAT, vk::Format::R32G32B32A32_SFLOAT];
+    let formats = [vk::Format::R32G32B32A32_UINT, vk::Format::R32G32B32A32_SFLOAT];
     let (fragment, color_formats) =
         if textures.is_some() { (&TEXTURED_FRAG, &formats[..]) } else { (&GBUFFER_FRAG, &formats[..1]) };
     let desc = RasterDesc {

@@ -40,7 +40,7 @@ pub(crate) struct Maps {
     pub(crate) sources: Sources,
     /// Where rays of bounce epochs ended; none until somebody keeps them.
     pub(crate) links: Links,
-    /// `[group of the list of texels]`: which of them take rays; one alone where all do.
+    /// `[group of the list of texels]`: which of its two fields take rays. None of a dynamic scene.
     pub(crate) activity: Arc<Buffer>,
     /// What rays tell of other ways to aim them; of light from the sky map.
     pub(crate) evidence: Arc<Image>,
@@ -71,8 +71,8 @@ fn plans(size: [u32; 2], sky: [u32; 2], features: Features) -> [Plan; 14] {
     let several = |count| if dynamic { count } else { 1 };
     [
         ("surface map", vk::Format::R32G32B32A32_UINT, size, 1),
-        ("albedo map", RADIANCE, size, any(Features::TEXTURES)),
-        ("emission map", RADIANCE, size, any(Features::TEXTURES)),
+        ("albedo map", RADIANCE, size, any(Features::ALBEDO_TEXTURES)),
+        ("emission map", RADIANCE, size, any(Features::EMISSION_TEXTURES)),
         ("footprint map", vk::Format::R32_UINT, size, 1),
         ("direct map", RADIANCE, size, any(Features::LIGHTS)),
         (if dynamic { "running average" } else { "mean of even quanta" }, RADIANCE, size, 1),
@@ -189,11 +189,12 @@ impl Maps {
     }
 }
 
-/// For so many groups of texels.
-pub(crate) fn activity(gpu: &Gpu, groups: usize) -> Result<Arc<Buffer>> {
+/// Of so many groups of texels, which all take rays.
+pub(crate) fn activity(commands: &mut Commands, groups: usize) -> Result<Arc<Buffer>> {
+    let all = vec![0b11_u32; groups.max(1)];
     let usage = vk::BufferUsageFlags::STORAGE_BUFFER | vk::BufferUsageFlags::TRANSFER_DST;
-    let size = (groups.max(1) * size_of::<u32>()) as u64;
-    Buffer::new(gpu, BufferDesc { name: "activity", size, usage, location: Location::Device }).map(Arc::new)
+    let size = size_of_val(all.as_slice()) as u64;
+    commands.upload(BufferDesc { name: "activity", size, usage, location: Location::Device }, &all).map(Arc::new)
 }
 
 fn texel_bytes(format: vk::Format) -> u64 {

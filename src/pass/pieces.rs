@@ -76,15 +76,24 @@ impl Pieces {
         shared: &[(usize, u32)],
         list: &[layout::Piece],
     ) -> Result<Self> {
-        let mut codes = vec![0_u32; size[0] as usize * size[1] as usize];
-        shared.iter().for_each(|(texel, code)| codes[*texel] = *code);
-        let (format, usage) = (PIECES, vk::ImageUsageFlags::STORAGE);
-        let desc = ImageDesc { name: "pieces map", size, format, usage, mip_levels: 1 };
-        let codes = Arc::new(commands.upload_image(desc, &codes)?);
+        let codes = Self::upload_codes(commands, size, shared)?;
         let (bytes, usage) = (size_of_val(list) as u64, vk::BufferUsageFlags::STORAGE_BUFFER);
         let desc = BufferDesc { name: "pieces", size: bytes, usage, location: Location::Device };
         let list = Arc::new(commands.upload(desc, list)?);
         Ok(Self { codes, list })
+    }
+
+    fn upload_codes(commands: &mut Commands, size: [u32; 2], shared: &[(usize, u32)]) -> Result<Arc<Image>> {
+        let mut codes = vec![0_u32; size[0] as usize * size[1] as usize];
+        shared.iter().for_each(|(texel, code)| codes[*texel] = *code);
+        let (format, usage) = (PIECES, vk::ImageUsageFlags::STORAGE);
+        let desc = ImageDesc { name: "pieces map", size, format, usage, mip_levels: 1 };
+        commands.upload_image(desc, &codes).map(Arc::new)
+    }
+
+    /// The codes of a map in which no texel is shared: that the feature is on all the same.
+    pub(crate) fn codes_of_none(commands: &mut Commands, size: [u32; 2]) -> Result<Arc<Image>> {
+        Self::upload_codes(commands, size, &[])
     }
 }
 

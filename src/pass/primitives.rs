@@ -3,7 +3,7 @@
 use super::sheets;
 use crate::bvh::Bvh;
 use crate::features::Features;
-use crate::gpu::layout::{Material, Primitive, Texcoords};
+use crate::gpu::layout::{Material, Primitive};
 use crate::scene::{Mesh, Scene, Sidedness};
 use glam::{DMat3, Vec2, Vec3};
 
@@ -11,8 +11,6 @@ use glam::{DMat3, Vec2, Vec3};
 pub(super) struct Encoded {
     /// `[primitive]`.
     pub(super) primitives: Vec<Primitive>,
-    /// `[primitive]`, empty when nothing is textured.
-    pub(super) texcoords: Vec<Texcoords>,
     pub(super) radiators: Radiators,
 }
 
@@ -60,10 +58,8 @@ impl Radiators {
 }
 
 pub(super) fn encode(scene: &Scene, bvh: &Bvh, features: Features) -> Encoded {
-    let textured = features.contains(Features::TEXTURES);
     let mut encoded = Encoded {
         primitives: vec![bytemuck::Zeroable::zeroed(); bvh.triangles.len()],
-        texcoords: vec![bytemuck::Zeroable::zeroed(); if textured { bvh.triangles.len() } else { 0 }],
         radiators: Radiators::new(scene),
     };
     for ((mesh, range), order) in scene.meshes().iter().zip(&bvh.meshes).zip(&bvh.order) {
@@ -73,11 +69,6 @@ pub(super) fn encode(scene: &Scene, bvh: &Bvh, features: Features) -> Encoded {
             let primitive = encoded.primitive(scene, bvh, mesh, *triangle as usize);
             let sheet = sheets.get(*triangle as usize).copied().unwrap_or_default();
             encoded.primitives[index] = Primitive { sheet, ..primitive };
-            if !mesh.albedo_uvs().is_empty() {
-                let corners = |uvs: &[[Vec2; 3]]| bvh.corners().map(|c| uvs[*triangle as usize][c].into());
-                let (albedo, emission) = (corners(mesh.albedo_uvs()), corners(mesh.emission_uvs()));
-                encoded.texcoords[index] = Texcoords { albedo, emission };
-            }
         }
     }
     encoded

@@ -28,7 +28,6 @@ pub(crate) struct DeviceScene {
     pub(crate) pieces: Arc<Buffer>,
     /// `[primitive]`, where rays are aimed.
     pub(crate) host_primitives: Vec<layout::Primitive>,
-    pub(super) texcoords: Arc<Buffer>,
     pub(crate) lights: Arc<Buffer>,
     pub(crate) light_count: u32,
     pub(crate) sky: Arc<Image>,
@@ -51,7 +50,7 @@ impl DeviceScene {
         features: Features,
         nothing: &Nothing,
     ) -> Result<Self> {
-        let Encoded { primitives, texcoords, radiators } = primitives::encode(scene, bvh, features);
+        let Encoded { primitives, radiators } = primitives::encode(scene, bvh, features);
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let input = vk::BufferUsageFlags::SHADER_DEVICE_ADDRESS
             | vk::BufferUsageFlags::ACCELERATION_STRUCTURE_BUILD_INPUT_READ_ONLY_KHR;
@@ -76,7 +75,6 @@ impl DeviceScene {
             instances: upload(commands, "instances", storage, &bvh.instances)?,
             materials: upload(commands, "materials", storage, &radiators.materials)?,
             radiators,
-            texcoords: upload_any(commands, "texture coordinates", &texcoords, nothing)?,
             light_count: lights.len() as u32,
             lights: upload_any(commands, "lights", &lights, nothing)?,
             sky: upload_sky(commands, sky, nothing)?,
@@ -157,11 +155,17 @@ impl DeviceScene {
         recorder.update_buffer(&self.materials, 0, &self.radiators.materials);
     }
 
+    /// Triangles of all meshes that are placed.
+    pub(crate) fn triangles(scene: &Scene) -> u64 {
+        let mut placed = vec![false; scene.meshes().len()];
+        scene.instances().iter().for_each(|instance| placed[instance.mesh] = true);
+        let meshes = scene.meshes().iter().zip(placed).filter(|(_, placed)| *placed);
+        meshes.map(|(mesh, _)| mesh.len() as u64).sum()
+    }
+
     /// Bytes that the scene takes on the device, by name.
     pub(crate) fn bytes(scene: &Scene, features: Features) -> Vec<(&'static str, u64)> {
-        let placed = |index: usize| scene.instances().iter().any(|instance| instance.mesh == index);
-        let meshes = scene.meshes().iter().enumerate().filter(|(index, _)| placed(*index));
-        let triangles: u64 = meshes.map(|(_, mesh)| mesh.len() as u64).sum();
+        let triangles = Self::triangles(scene);
         let size = |bytes: usize, count: u64| bytes as u64 * count;
         let mut parts = vec![
             // Leaves of up to four; measured .27 to .54 nodes a triangle.
@@ -174,9 +178,6 @@ impl DeviceScene {
         let lights = lights_that_matter(scene, features).count() as u64;
         if lights > 0 {
             parts.push(("lights", size(size_of::<layout::Light>(), lights)));
-        }
-        if features.contains(Features::TEXTURES) {
-            parts.push(("texture coordinates", size(size_of::<layout::Texcoords>(), triangles)));
         }
         if let Sky::Map(map) = scene.sky()
             && features.contains(Features::SKY_MAP)

@@ -1,55 +1,132 @@
-//! The scene's textures on the device, and the batches of triangles that share a pair of them.
+//! The scene's textures on the device, of one kind, and the batches of triangles that share one of them.
 
+use super::Maps;
 use crate::bvh::Bvh;
 use crate::error::Result;
-use crate::gpu::{Commands, Gpu, Image, ImageDesc, Sampler};
-use crate::scene::{Scene, TextureUse, Wrap};
+use crate::features::Features;
+use crate::gpu::{Buffer, BufferDesc, Commands, Gpu, Image, ImageDesc, Location, Sampler};
+use crate::scene::{Material, Mesh, Scene, TextureUse, Wrap};
 use ash::vk;
+use glam::Vec2;
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 
-/// The albedo and the emission texture of a batch.
-pub(super) type Pair = [Option<TextureUse>; 2];
+/// What a texture is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum TextureKind {
+    Albedo,
+    Emission,
+}
 
-/// Textures, and one white pixel for materials without.
+impl TextureKind {
+    /// Those that the scene needs.
+    pub(super) fn needed(features: Features) -> Vec<Self> {
+        let kinds = [(Features::ALBEDO_TEXTURES, Self::Albedo), (Features::EMISSION_TEXTURES, Self::Emission)];
+        kinds.into_iter().filter(|(feature, _)| features.contains(*feature)).map(|(_, kind)| kind).collect()
+    }
+
+    /// Where its means over texels are drawn to.
+    pub(super) fn map(self, maps: &Maps) -> &Image {
+        match self {
+            Self::Albedo => &maps.albedo,
+            Self::Emission => &maps.emission,
+        }
+    }
+
+    fn of(self, material: &Material) -> Option<TextureUse> {
+        match self {
+            Self::Albedo => material.albedo_texture,
+            Self::Emission => material.emission_texture,
+        }
+    }
+
+    fn uvs(self, mesh: &Mesh) -> &[[Vec2; 3]] {
+        match self {
+            Self::Albedo => mesh.albedo_uvs(),
+            Self::Emission => mesh.emission_uvs(),
+        }
+    }
+}
+
+/// The textures of a kind, where triangles lie in them, and one white pixel for materials without.
 pub(super) struct Textures {
-    images: Vec<Image>,
+    pub(super) kind: TextureKind,
+    /// `[texture]`, as the scene counts them.
+    images: BTreeMap<usize, Image>,
     white: Image,
     samplers: Vec<([Wrap; 2], Sampler)>,
     plain: Sampler,
+    /// `[3 * primitive + corner]`.
+    pub(super) texcoords: Buffer,
 }
 
 impl Textures {
-    pub(super) fn new(gpu: &Gpu, commands: &mut Commands, scene: &Scene) -> Result<Self> {
-        let usage = vk::ImageUsageFlags::SAMPLED;
-        let format = vk::Format::R8G8B8A8_SRGB;
-        let white = ImageDesc { name: "white", size: [1, 1], format, usage, mip_levels: 1 };
+    pub(super) fn new(commands: &mut Commands, scene: &Scene, bvh: &Bvh, kind: TextureKind) -> Result<Self> {
+        let gpu: Gpu = commands.gpu().clone();
+        let white = desc("white", [1, 1]);
         let mut textures = Self {
-            images: Vec::new(),
+            kind,
+            images: BTreeMap::new(),
             white: commands.upload_image(white, &[[255_u8; 4]])?,
             samplers: Vec::new(),
-            plain: Sampler::new(gpu, [vk::SamplerAddressMode::REPEAT; 2])?,
+            plain: Sampler::new(&gpu, [vk::SamplerAddressMode::REPEAT; 2])?,
+            texcoords: upload_texcoords(commands, scene, bvh, kind)?,
         };
-        for texture in scene.textures() {
-            let size = [texture.width, texture.height];
-            let mip_levels = size[0].max(size[1]).ilog2() + 1;
-            let desc = ImageDesc { name: &texture.name, size, format, usage, mip_levels };
-            textures.images.push(commands.upload_image(desc, &texture.pixels)?);
-        }
-        for usage in scene.materials().iter().flat_map(|m| [m.albedo_texture, m.emission_texture]).flatten() {
+        for usage in scene.materials().iter().filter_map(|material| kind.of(material)) {
+            if let Entry::Vacant(place) = textures.images.entry(usage.texture) {
+                let texture = &scene.textures()[usage.texture];
+                let desc = desc(&texture.name, [texture.width, texture.height]);
+                place.insert(commands.upload_image(desc, &texture.pixels)?);
+            }
             if !textures.samplers.iter().any(|(wrap, _)| *wrap == usage.wrap) {
-                textures.samplers.push((usage.wrap, Sampler::new(gpu, usage.wrap.map(address_mode))?));
+                textures.samplers.push((usage.wrap, Sampler::new(&gpu, usage.wrap.map(address_mode))?));
             }
         }
         Ok(textures)
     }
 
-    pub(super) fn of(&self, usage: Option<TextureUse>) -> (&Image, &Sampler) {
+    /// That of a batch.
+    pub(super) fn of(&self, pair: Pair) -> (&Image, &Sampler) {
+        let usage = match self.kind {
+            TextureKind::Albedo => pair[0],
+            TextureKind::Emission => pair[1],
+        };
         let found = usage.and_then(|usage| {
             let sampler = self.samplers.iter().find(|(wrap, _)| *wrap == usage.wrap)?;
-            Some((self.images.get(usage.texture)?, &sampler.1))
+            Some((self.images.get(&usage.texture)?, &sampler.1))
         });
         found.unwrap_or((&self.white, &self.plain))
     }
+
+    /// Bytes that those of a kind take on the device, about.
+    pub(super) fn bytes(scene: &Scene, kind: TextureKind, triangles: u64) -> u64 {
+        let used = scene.textures().iter().enumerate().filter(|(index, _)| {
+            scene.materials().iter().any(|material| kind.of(material).is_some_and(|usage| usage.texture == *index))
+        });
+        let pixels: u64 = used.map(|(_, texture)| u64::from(texture.width) * u64::from(texture.height)).sum();
+        // With their mip levels.
+        pixels * 4 * 4 / 3 + triangles * size_of::<[Vec2; 3]>() as u64
+    }
+}
+
+fn desc(name: &str, size: [u32; 2]) -> ImageDesc<'_> {
+    let mip_levels = size[0].max(size[1]).ilog2() + 1;
+    ImageDesc { name, size, format: vk::Format::R8G8B8A8_SRGB, usage: vk::ImageUsageFlags::SAMPLED, mip_levels }
+}
+
+fn upload_texcoords(commands: &mut Commands, scene: &Scene, bvh: &Bvh, kind: TextureKind) -> Result<Buffer> {
+    let mut texcoords = vec![[[0.0_f32; 2]; 3]; bvh.triangles.len()];
+    for ((mesh, range), order) in scene.meshes().iter().zip(&bvh.meshes).zip(&bvh.order) {
+        let first = range.first_primitive as usize;
+        for (corners, triangle) in texcoords[first..].iter_mut().zip(order) {
+            if let Some(uvs) = kind.uvs(mesh).get(*triangle as usize) {
+                *corners = bvh.corners().map(|corner| uvs[corner].into());
+            }
+        }
+    }
+    let (size, usage) = (size_of_val(texcoords.as_slice()) as u64, vk::BufferUsageFlags::STORAGE_BUFFER);
+    let desc = BufferDesc { name: "texture coordinates", size, usage, location: Location::Device };
+    commands.upload(desc, &texcoords)
 }
 
 fn address_mode(wrap: Wrap) -> vk::SamplerAddressMode {
@@ -60,6 +137,9 @@ fn address_mode(wrap: Wrap) -> vk::SamplerAddressMode {
     }
 }
 
+/// The albedo and the emission texture of a batch.
+pub(super) type Pair = [Option<TextureUse>; 2];
+
 /// Mapped triangles of one mesh that share a pair of textures.
 pub(super) struct Batch {
     pub(super) mesh: usize,
@@ -68,7 +148,7 @@ pub(super) struct Batch {
     pub(super) triangles: std::ops::Range<u32>,
 }
 
-/// All batches, and the primitives in them.
+/// All batches, in the order in which they are drawn for every kind, and the primitives in them.
 pub(super) fn batches(scene: &Scene, bvh: &Bvh) -> (Vec<Batch>, Vec<u32>) {
     let (mut batches, mut list) = (Vec::new(), Vec::new());
     for (index, (mesh, range)) in scene.meshes().iter().zip(&bvh.meshes).enumerate() {

@@ -116,7 +116,7 @@ fn a_first_emitter(backend: BackendChoice) {
 }
 
 fn a_first_texture(backend: BackendChoice) {
-    comes_to_need(backend, With::Nothing, With::TexturedLamp, Features::TEXTURES);
+    comes_to_need(backend, With::Nothing, With::TexturedLamp, Features::EMISSION_TEXTURES);
 }
 
 /// It may be moved from then on, and shades the floor.

@@ -1,13 +1,12 @@
 //! Lets texels stop that have converged, where a bake ends at an error.
 
 use crate::adaptive::{Field, allocate};
-use crate::baker::Core;
+use crate::baker::{Core, ErrorEstimate};
 use crate::error::Result;
-use crate::features::Features;
 use crate::pass::ResolveSums;
 use crate::schedule::{GROUP, Unit};
 
-/// Which texels take rays. Without the feature all do.
+/// Which texels take rays. Where nobody asks for it all do.
 pub(super) struct Adapting {
     /// `[group][field]`
     texels: Vec<[u32; 2]>,
@@ -22,7 +21,7 @@ const PILOT_QUANTA: u32 = 4;
 
 impl Adapting {
     pub(super) fn new(core: &mut Core) -> Result<Option<Self>> {
-        if !core.features.contains(Features::ADAPTIVE) {
+        if core.settings.error != ErrorEstimate::Adaptive {
             return Ok(None);
         }
         let texels = core.texels.fields.clone();

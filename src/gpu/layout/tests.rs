@@ -1,6 +1,6 @@
 //! Reflects every compiled module and compares it with what the host writes, in both directions.
 
-use super::{Answer, Cluster, Light, Link, Material, Piece, Primitive, Push, Texcoords, TracedRay, binding};
+use super::{Answer, Cluster, Light, Link, Material, Piece, Primitive, Push, TracedRay, binding};
 use crate::bvh::{InstanceRecord, Node, Triangle};
 use crate::gpu::Constants;
 use spirq::ReflectConfig;
@@ -46,7 +46,6 @@ fn host_structs() -> Vec<HostStruct> {
             InstanceRecord { object_to_world, world_to_object, root, first_primitive, flags, atlas }
         ),
         host_struct!("Light", Light { position, kind, direction, range, intensity, cone_scale, cone_offset }),
-        host_struct!("Texcoords", Texcoords { albedo, emission }),
         host_struct!("Ray", TracedRay { origin, t_min, direction, t_max, skip_instance, skip_primitive }),
         host_struct!("Answer", Answer { t, instance, primitive, front_face, barycentrics }),
         host_struct!(
@@ -115,9 +114,9 @@ fn host_bindings() -> BTreeMap<u32, BTreeSet<Kind>> {
         (binding::SOURCE_MAP, vec![Kind::Sampled]),
         (binding::MEAN_EVEN, vec![radiance()]),
         (binding::MEAN_ODD, vec![radiance()]),
-        (binding::ALBEDO_TEXTURE, vec![Kind::Texture]),
-        (binding::EMISSION_TEXTURE, vec![Kind::Texture]),
-        (binding::TEXCOORDS, vec![storage("Texcoords")]),
+        (binding::TEXTURE, vec![Kind::Texture]),
+        (binding::TEXCOORDS, vec![storage("vec2<f32>")]),
+        (binding::TRIANGLE_TEXELS, vec![Kind::Texels]),
         (binding::DIRECT, vec![radiance()]),
         (binding::ALBEDO, vec![image("Rgba32f")]),
         (binding::EMISSION, vec![radiance()]),
@@ -146,7 +145,6 @@ fn host_bindings() -> BTreeMap<u32, BTreeSet<Kind>> {
         (binding::LINKS, vec![storage("Link")]),
         (binding::ACTIVITY, vec![storage("u32")]),
         (binding::NODE_TEXELS, vec![Kind::Texels]),
-        (binding::TRIANGLE_TEXELS, vec![Kind::Texels]),
     ];
     bindings.into_iter().map(|(binding, kinds)| (binding, kinds.into_iter().collect())).collect()
 }

@@ -259,6 +259,9 @@ pub(crate) struct Bench {
     /// Measure instead what each thing that the scene does not need would cost if it were there
     #[arg(long, conflicts_with_all = ["growth", "order"])]
     pub(crate) features: bool,
+    /// With --features: which way rays are sent, as `lightoven bake` takes it; what it needs is in all rows
+    #[arg(long, value_name = "WAY", default_value = "cosine", value_parser = values::way, allow_hyphen_values = true, requires = "features")]
+    pub(crate) sampling: Way,
     /// With --growth: most triangles that the scene is subdivided into, about, from 1024 on
     #[arg(long, value_name = "N", default_value_t = 1 << 22, value_parser = values::most_triangles, allow_negative_numbers = true, requires = "growth")]
     pub(crate) most_triangles: u32,

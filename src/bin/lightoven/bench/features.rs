@@ -4,7 +4,7 @@ use super::figures::Spread;
 use crate::arguments::Bench;
 use crate::progress::Bar;
 use crate::{device, interrupt};
-use lightoven::baker::{BakeSettings, Baker, ErrorEstimate, Sampling, Stop, estimate_memory};
+use lightoven::baker::{BakeSettings, Baker, ErrorEstimate, Stop, estimate_memory};
 use lightoven::gpu::Gpu;
 use lightoven::scene::Scene;
 use lightoven::{Error, ErrorKind, Features, Result};
@@ -26,6 +26,8 @@ pub(super) struct Report {
     /// Texels that take rays.
     texels: u64,
     rounds: u32,
+    /// Which way rays are sent.
+    sampling: String,
     /// The first is without any, the last with all.
     rows: Vec<Row>,
     seconds: Seconds,
@@ -51,6 +53,8 @@ struct Row {
     /// Device memory at most, bytes, and without any.
     bytes: u64,
     least_bytes: u64,
+    /// Setting the bake up: layout, upload, g-buffer, and finding what rays can be aimed at; without compiling.
+    set_up_seconds: f64,
     /// Making the pipelines and using each of them once, seconds: next to nothing where the driver has kept them.
     compile_seconds: f64,
     /// SPIR-V of the pipelines, bytes.
@@ -62,6 +66,7 @@ struct Subject {
     switched_on: Features,
     baker: Baker,
     bytes: u64,
+    set_up_seconds: f64,
     pipelines: Pipelines,
     /// Seconds and rays of each round.
     rounds: Vec<(f64, u64)>,
@@ -79,7 +84,8 @@ fn settings(arguments: &Bench, unneeded: Features) -> BakeSettings {
     let resolution = arguments.how.resolution();
     BakeSettings {
         resolution,
-        sampling: Sampling::Cosine,
+        sampling: arguments.sampling.sampling,
+        aimed_by: arguments.sampling.aimed_by,
         error: ErrorEstimate::None,
         unneeded,
         ..BakeSettings::default()
@@ -91,7 +97,9 @@ impl Subject {
         let settings = settings(arguments, switched_on);
         let bytes = estimate_memory(scene, &settings)?.1.most();
         let (baker, rounds) = (Baker::new(gpu, scene, &settings)?, Vec::new());
-        let mut subject = Self { switched_on, baker, bytes, pipelines: Pipelines::default(), rounds };
+        let seconds = baker.statistics().seconds;
+        let set_up_seconds = seconds.gbuffer + seconds.aiming;
+        let mut subject = Self { switched_on, baker, bytes, set_up_seconds, pipelines: Pipelines::default(), rounds };
         // Past the bounces, and what compiles at its first use.
         subject.round(1)?;
         subject.rounds.clear();
@@ -123,6 +131,7 @@ impl Subject {
             time_ratio: Spread::of(ratios)?,
             bytes: self.bytes,
             least_bytes: least.bytes,
+            set_up_seconds: self.set_up_seconds,
             compile_seconds: self.pipelines.compile_seconds,
             spirv_bytes: self.pipelines.spirv_bytes,
         })
@@ -185,6 +194,7 @@ pub(super) fn measure(arguments: &Bench, scene: &Scene, bar: &Bar, start: Instan
         device: gpu.info().name.clone(),
         driver: gpu.info().driver.clone(),
         backend: gpu.backend().name(),
+        sampling: arguments.sampling.name(),
         texels,
         rounds: arguments.rounds,
         rows,
@@ -194,20 +204,20 @@ pub(super) fn measure(arguments: &Bench, scene: &Scene, bar: &Bar, start: Instan
 
 impl Report {
     pub(super) fn text(&self) -> String {
-        let Self { scene, device, driver, backend, texels, rounds, .. } = self;
+        let Self { scene, device, driver, backend, sampling, texels, rounds, .. } = self;
         let mut text = format!(
-            "scene    {scene}, {texels} texels\ndevice   {device}, {driver}, {backend}\nrounds   {rounds}; time and bytes are \
+            "scene    {scene}, {texels} texels\ndevice   {device}, {driver}, {backend}\nsampling {sampling}\nrounds   {rounds}; time and bytes are \
              those of a bake without any of it, and what is added, SPIR-V in KiB and compiling those of all its pipelines\n"
         );
-        let mut line = |cells: [&str; 8]| {
-            let [name, mrays, pass, ratio, spread, bytes, spirv, compile] = cells;
+        let mut line = |cells: [&str; 9]| {
+            let [name, mrays, pass, ratio, spread, bytes, set_up, spirv, compile] = cells;
             // Writing to a string cannot fail.
             let _ = writeln!(
                 text,
-                "{name:<16}{mrays:>9}{pass:>10}{ratio:>9}  {spread:<16}{bytes:>9}{spirv:>7}{compile:>11}"
+                "{name:<18}{mrays:>9}{pass:>10}{ratio:>9}  {spread:<16}{bytes:>9}{set_up:>10}{spirv:>8}{compile:>11}"
             );
         };
-        line(["switched on", "Mrays/s", "pass ms", "time", "", "KiB", "SPIR-V", "compile s"]);
+        line(["switched on", "Mrays/s", "pass ms", "time", "", "KiB", "set-up s", "SPIR-V", "compile s"]);
         for row in &self.rows {
             let name = match row.switched_on.as_slice() {
                 [] => "none".to_owned(),
@@ -230,6 +240,7 @@ impl Report {
                 &time,
                 &spread,
                 &kib,
+                &format!("{:.3}", row.set_up_seconds),
                 &(row.spirv_bytes / 1024).to_string(),
                 &format!("{:.2}", row.compile_seconds),
             ]);
