@@ -5,7 +5,7 @@ use crate::live::{AMPLE, Live};
 use crate::stage::{Chart, Facing, SIDE, Stage, level_square};
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 use lightoven::baker::{BakeSettings, Baker, Bounces, FrameId, FrameSettings, Mode, Stop};
-use lightoven::gpu::{BackendChoice, DeviceFeatures, RawDevice};
+use lightoven::gpu::{BackendChoice, DeviceFeatures, RawDevice, RawQueue};
 use lightoven::scene::{Light, LightKind, Mobility, Resolution, Scene, Sky, SkyMap};
 use std::ops::ControlFlow;
 use std::time::Duration;
@@ -141,6 +141,16 @@ fn what_a_device_lacks_is_named() {
     assert_says(&without(DeviceFeatures::TIMELINE_SEMAPHORE), &["created without the feature timelineSemaphore"]);
     assert_says(&without(DeviceFeatures::DYNAMIC_RENDERING), &["dynamicRendering", "'software'"]);
     assert_says(&without(DeviceFeatures::MAINTENANCE4), &["maintenance4"]);
+    let other_family = |family| {
+        let raw = engine.raw(BackendChoice::Software);
+        engine.refused(RawDevice { queue: RawQueue { family, ..raw.queue }, ..raw })
+    };
+    assert_says(&other_family(99), &["the family of the queue is 99", "graphics and compute: 0"]);
+    assert_says(&other_family(u32::MAX), &["4294967295"]);
+    let raw = engine.raw(BackendChoice::Software);
+    let compute_queue = Some(RawQueue { family: 99, ..raw.queue });
+    let refused = engine.refused(RawDevice { compute_queue, ..raw });
+    assert_says(&refused, &["the family of the queue for compute is 99", "with compute: 0"]);
     engine.finish();
     let Some(engine) = Engine::new(BackendChoice::RayQuery) else { return };
     let raw = engine.raw(BackendChoice::RayQuery);
