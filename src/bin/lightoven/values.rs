@@ -82,8 +82,8 @@ pub(crate) fn bounces(text: &str) -> Result<Bounces, String> {
     match text {
         "auto" => Ok(Bounces::Auto),
         _ => match text.parse() {
-            Ok(count) if count <= 1000 => Ok(Bounces::Limit(count)),
-            _ => Err("allowed is auto or a whole number from 0 to 1000".into()),
+            Ok(count) if count <= Bounces::MAX_LIMIT => Ok(Bounces::Limit(count)),
+            _ => Err(format!("allowed is auto or a whole number from 0 to {}", Bounces::MAX_LIMIT)),
         },
     }
 }
@@ -211,6 +211,9 @@ mod tests {
     fn numbers_have_ranges() {
         assert_eq!((samples("1"), resolution("16384"), error("1")), (Ok(1), Ok(16384), Ok(1.0)));
         assert!(matches!(bounces("0"), Ok(Bounces::Limit(0))) && matches!(bounces("auto"), Ok(Bounces::Auto)));
+        let most = Bounces::MAX_LIMIT;
+        assert!(matches!(bounces(&most.to_string()), Ok(Bounces::Limit(limit)) if limit == most));
+        assert!([(most + 1).to_string().as_str(), "4000000000", "-1", "2.5"].iter().all(|bad| bounces(bad).is_err()));
         assert_eq!(sampling("mixture=0.25"), Ok(Sampling::Mixture { cosine: 0.25 }));
         for name in ["auto", "cosine", "importance", "mixture=0.25", "auto:power", "mixture=0.5:distance"] {
             assert_eq!(way(name).map(Way::name), Ok(name.to_owned()));
