@@ -181,7 +181,8 @@ impl Gpu {
     /// - A frame is reported to `Baker::complete` only once it has finished on the device, with all that uses a light map of
     ///   its baker in it. A baker is dropped, or its light map read back, only while no frame of it is under way.
     /// - Nobody else uses the queues during `Baker::new`, `Baker::bake`, `Baker::read_back` and by `Tracer` and
-    ///   `GatherBench`, nor the queue for compute during `Baker::submit`: Vulkan wants one thread at a time there.
+    ///   `GatherBench`, nor the queue for compute during `Baker::submit`: Vulkan wants one thread at a time there. All that
+    ///   this crate does with one queue waits for each other, whichever `Gpu` it goes by.
     pub unsafe fn from_raw(raw: RawDevice<'_>) -> Result<Self> {
         // SAFETY: instance and device are valid by the caller's word.
         let (instance, device) = unsafe {

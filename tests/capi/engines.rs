@@ -55,6 +55,9 @@ fn an_engine_in_c() {
         same(folder.path(), "still.bin", &still);
         let (width, height, pixels) = lightoven::io::exr::read_image(&folder.path().join("still.exr")).unwrap();
         assert_eq!(LightMap { width, height, pixels }, still);
+        let left_out = fs::read_to_string(folder.path().join("left_out.txt")).unwrap();
+        assert_eq!(left_out, reference::left_out(&engine, &reference::scene(), 7));
+        println!("left out:\n{left_out}");
         same(folder.path(), "frames.bin", &reference::frames(&mut engine, Way::Record));
         engine.finish();
     }
