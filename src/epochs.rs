@@ -15,7 +15,7 @@ pub enum Bounces {
     /// floats tell.
     #[default]
     Auto,
-    /// This many times at most; 0: lights, sky and emission alone.
+    /// This many times at most, up to [`Bounces::MAX_LIMIT`]; 0: lights, sky and emission alone.
     Limit(u32),
 }
 
@@ -24,6 +24,22 @@ impl Bounces {
     /// kept from sources from here on, so that this is the bias of the result (a closed furnace of albedo .5: 3e-4 with
     /// 1e-3 here).
     pub const TOLERANCE: f64 = 1e-4;
+
+    /// Most bounces of a limit. Of the largest albedo, .999, as much of a closed room's light is then missing as 32-bit floats
+    /// round (.999^16384 = 2^-23.6), and [`Bounces::Auto`], which needs 9,206 there, never reaches it.
+    pub const MAX_LIMIT: u32 = 1 << 14;
+
+    /// # Errors
+    /// `InvalidSettings` for a limit outside its range.
+    pub(crate) fn check(self) -> Result<()> {
+        let most = Self::MAX_LIMIT;
+        match self {
+            Self::Limit(limit) if limit > most => Err(Error::settings(format!(
+                "the bounces are limited to {limit}; allowed is a limit of 0 to {most}, or none"
+            ))),
+            _ => Ok(()),
+        }
+    }
 }
 
 /// What to do next.

@@ -141,9 +141,9 @@ impl Baker {
         match &mut self.0 {
             Running::Dark(dark) => dark.bake(stop, progress),
             Running::Still(still) => still.1.bake(&mut still.0, stop, stretch, progress),
-            Running::Frames(_) => {
-                Err(Error::settings("a baker with Mode::Frames does not bake at a stretch; Mode::Still does"))
-            }
+            Running::Frames(_) => Err(Error::settings(
+                "a bake within frames is not baked at a stretch; one that is made without frames is",
+            )),
         }
     }
 
@@ -312,7 +312,7 @@ impl Baker {
                 Ok((frames, core))
             }
             Running::Dark(_) | Running::Still(_) => {
-                Err(Error::settings("a baker with Mode::Still knows no frames; Mode::Frames does"))
+                Err(Error::settings("a bake at a stretch knows no frames and no changes; one within frames does"))
             }
         }
     }

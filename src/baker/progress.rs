@@ -168,7 +168,7 @@ impl Stop {
             return Ok(());
         }
         Err(Error::settings(
-            "the bake is to end by its error, and its ErrorEstimate is None; allowed are Told and Adaptive",
+            "the bake is to end by its error, and no error estimate was asked for; allowed are one that is told and an adaptive one",
         ))
     }
 

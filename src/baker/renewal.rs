@@ -24,7 +24,7 @@ impl Baker {
     /// As [`Baker::new`]; `InvalidSettings` without [`super::Mode::Frames`]; `InvalidScene` where the light map's layout is another.
     pub fn set_scene(&mut self, scene: &Scene) -> Result<()> {
         let Running::Frames(running) = &mut self.0 else {
-            return Err(Error::settings("a baker with Mode::Still knows no scene that changes; Mode::Frames does"));
+            return Err(Error::settings("a bake at a stretch takes no other scene; one within frames does"));
         };
         let (core, frames) = &mut **running;
         frames.check_at_rest()?;

@@ -119,18 +119,15 @@ fn reach(scene: &Scene) -> f64 {
 
 fn check(gpu: &Gpu, settings: &BakeSettings) -> Result<()> {
     settings.sampling.check()?;
+    settings.bounces.check()?;
     check_unneeded(settings)?;
     let Mode::Frames(frames) = settings.mode else { return Ok(()) };
     frames.check()?;
     if let Bounces::Limit(limit) = settings.bounces {
-        return Err(Error::settings(format!(
-            "the bounces are limited to {limit}; allowed with Mode::Frames is Bounces::Auto"
-        )));
+        return Err(Error::settings(format!("the bounces are limited to {limit}; allowed within frames is no limit")));
     }
     if gpu.is_owned() {
-        return Err(Error::settings(
-            "Mode::Frames works within an engine's frames; this device is our own. Gpu::from_raw takes an engine's",
-        ));
+        return Err(Error::settings("a bake within frames works on an engine's device; this one is lightoven's own"));
     }
     Ok(())
 }

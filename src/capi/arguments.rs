@@ -190,6 +190,13 @@ pub(super) unsafe fn each<T: Structure>(
     Ok(())
 }
 
+/// The one of a list that an index stands for. `owner` has the list, of what is called `kind`.
+pub(super) fn one_of<'a, T>(list: &'a [T], index: u32, kind: &str, owner: &str) -> Outcome<&'a T> {
+    let count = list.len();
+    let missing = || Failure::argument(format!("there is no {kind} {index}: the {owner} has {count}"));
+    list.get(index as usize).ok_or_else(missing)
+}
+
 /// A text; empty for NULL.
 ///
 /// # Safety

@@ -1,8 +1,8 @@
 //! Where instances lie in a light map.
 
-use super::arguments::{structures, write};
+use super::arguments::{one_of, structures, write};
 use super::baker::{LightovenBaker, with};
-use super::status::{Failure, LightovenStatus, guard};
+use super::status::{LightovenStatus, guard};
 
 /// The layout of a light map.
 #[derive(Debug, Clone, Copy)]
@@ -75,13 +75,7 @@ pub unsafe extern "C" fn lightoven_baker_atlas_rect(
     rect: *mut LightovenAtlasRect,
 ) -> LightovenStatus {
     guard(|| {
-        let found = with(baker, |held| {
-            let rects = &held.baker.atlas().rects;
-            rects.get(instance as usize).copied().ok_or_else(|| {
-                let count = rects.len();
-                Failure::argument(format!("there is no instance {instance}: the scene has {count}"))
-            })
-        })?;
+        let found = with(baker, |held| one_of(&held.baker.atlas().rects, instance, "instance", "scene").copied())?;
         let filled = LightovenAtlasRect {
             struct_size: size_of::<LightovenAtlasRect>(),
             scale: found.scale.to_array(),

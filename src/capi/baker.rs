@@ -1,10 +1,12 @@
-//! A baker: made, read, destroyed. `still.rs` bakes at a stretch, `frames.rs` within frames, `changes.rs` tells of changes.
+//! A baker: made, read, destroyed. `still.rs` bakes at a stretch, `frames.rs` within frames, `changes.rs` tells of changes,
+//! `statistics.rs` what was done.
 
-use super::arguments::{check_result, give_text, required_text, structures, write};
+use super::arguments::{check_result, required_text, structures, write};
 use super::gpu::{LightovenGpu, gpu_of};
 use super::handles::Registry;
 use super::scene::{LightovenScene, scene_of};
 use super::settings::{LightovenBakeSettings, bake_settings};
+use super::statistics::LeftOut;
 use super::status::{Failure, LightovenStatus, Outcome, guard};
 use super::vulkan::{VkFormat, VkImage, VkImageLayout, VkImageView};
 use crate::baker::{Baker, LightMap};
@@ -31,6 +33,7 @@ pub(super) struct Held {
     /// Of submissions, kept so that frames allocate nothing.
     pub(super) points: [Vec<TimelinePoint>; 2],
     pub(super) metadata: Metadata,
+    pub(super) left_out: LeftOut,
     /// Goes last, and keeps its handle from being destroyed.
     _gpu: Arc<Gpu>,
 }
@@ -77,8 +80,9 @@ pub unsafe extern "C" fn lightoven_baker_create(
             device: gpu.info().name.clone(),
             version: format!("lightoven {}", env!("CARGO_PKG_VERSION")),
         };
-        let held =
-            Held { baker: Baker::new(&gpu, &scene, &settings)?, points: [Vec::new(), Vec::new()], metadata, _gpu: gpu };
+        let made = Baker::new(&gpu, &scene, &settings)?;
+        let left_out = LeftOut::of(&made, &scene);
+        let held = Held { baker: made, points: [Vec::new(), Vec::new()], metadata, left_out, _gpu: gpu };
         // SAFETY: it may be written by the caller's word.
         unsafe { baker.write(LightovenBaker { id: BAKERS.insert(Mutex::new(held)) }) };
         Ok(())
@@ -120,33 +124,7 @@ pub struct LightovenLightMap {
     pub height: u32,
 }
 
-/// What a baker has done.
-#[derive(Debug, Clone, Copy)]
-#[repr(C)]
-pub struct LightovenStatistics {
-    /// sizeof(LightovenStatistics)
-    pub struct_size: usize,
-    /// Texels that take rays.
-    pub texels: u64,
-    /// Texels on a surface that are inside something and are filled from their neighbours.
-    pub invalid_texels: u64,
-    /// Rays traced, shadow rays of analytic lights not counted.
-    pub rays: u64,
-    /// Samples of a texel, in the mean.
-    pub samples_per_texel: f64,
-    /// Million rays a second of baking.
-    pub mrays_per_s: f64,
-    /// Root of relMSE as it is estimated; below 0: not known.
-    pub estimated_error: f32,
-    /// Bound on what further bounces would add, relative to the mean radiance; infinite before two are done.
-    pub bounces_missing: f32,
-    /// Epochs finished.
-    pub epochs: u32,
-    /// What was noticed, one sentence each.
-    pub warning_count: u32,
-}
-
-structures!(LightovenLightMap = [56], LightovenStatistics = [64]);
+structures!(LightovenLightMap = [56]);
 
 /// Gives the newest finished light map. `light_map`: not NULL; its `struct_size` is set before. With a scene that stays as it is
 /// there is one, which `lightoven_baker_read_back` finishes.
@@ -173,62 +151,6 @@ pub unsafe extern "C" fn lightoven_baker_light_map(
         };
         // SAFETY: it may be written by the caller's word.
         unsafe { write(light_map, "the light map", &filled) }
-    })
-}
-
-/// Tells what has been done so far. `statistics`: not NULL; its `struct_size` is set before.
-///
-/// # Safety
-/// `statistics` may be written.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn lightoven_baker_statistics(
-    baker: LightovenBaker,
-    statistics: *mut LightovenStatistics,
-) -> LightovenStatus {
-    guard(|| {
-        let filled = with(baker, |held| {
-            let done = held.baker.statistics();
-            Ok(LightovenStatistics {
-                struct_size: size_of::<LightovenStatistics>(),
-                texels: done.texels,
-                invalid_texels: done.invalid_texels,
-                rays: done.rays,
-                samples_per_texel: done.samples_per_texel,
-                mrays_per_s: done.mrays_per_s,
-                estimated_error: done.estimated_error.unwrap_or(-1.0),
-                bounces_missing: done.bounces_missing,
-                epochs: done.epochs,
-                warning_count: done.warnings.len() as u32,
-            })
-        })?;
-        // SAFETY: it may be written by the caller's word.
-        unsafe { write(statistics, "the statistics", &filled) }
-    })
-}
-
-/// Gives a warning: UTF-8, ended by a NUL, cut short where `capacity` is too small for all of it. `index`: below
-/// `LightovenStatistics::warning_count`; the other parameters are those of `lightoven_scene_text`.
-///
-/// # Safety
-/// As `lightoven_scene_text`.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn lightoven_baker_warning(
-    baker: LightovenBaker,
-    index: u32,
-    buffer: *mut c_char,
-    capacity: usize,
-    length: *mut usize,
-) -> LightovenStatus {
-    guard(|| {
-        with(baker, |held| {
-            let warnings = &held.baker.statistics().warnings;
-            let Some(warning) = warnings.get(index as usize) else {
-                let count = warnings.len();
-                return Err(Failure::argument(format!("there is no warning {index}: the baker has {count}")));
-            };
-            // SAFETY: the caller's word, passed on.
-            unsafe { give_text(warning, buffer, capacity, length) }
-        })
     })
 }
 

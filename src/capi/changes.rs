@@ -3,6 +3,7 @@
 use super::arguments::{choose, read, transform};
 use super::baker::{LightovenBaker, with};
 use super::scene::{LightovenLight, LightovenScene, LightovenSky, light as light_of, scene_of, sky as sky_of};
+use super::statistics::LeftOut;
 use super::status::{Failure, LightovenStatus, guard};
 use glam::Vec3;
 
@@ -102,6 +103,7 @@ pub unsafe extern "C" fn lightoven_baker_set_scene(baker: LightovenBaker, scene:
         with(baker, |held| {
             held.baker.set_scene(&scene)?;
             held.metadata.scene = scene.name().to_owned();
+            held.left_out = LeftOut::of(&held.baker, &scene);
             Ok(())
         })
     })

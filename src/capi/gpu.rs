@@ -91,9 +91,9 @@ pub struct LightovenGpuDesc {
     pub queue: VkQueue,
     /// A queue with compute for `lightoven_baker_submit`. NULL: `queue`.
     pub compute_queue: VkQueue,
-    /// The family of `queue`.
+    /// The family of `queue`, with graphics and compute.
     pub queue_family: u32,
-    /// The family of `compute_queue`; not looked at where that is NULL.
+    /// The family of `compute_queue`, with compute; not looked at where that is NULL.
     pub compute_queue_family: u32,
     /// Extensions enabled on the instance, `[instance_extension_count]`. With VK_EXT_debug_utils objects are named and passes
     /// labelled. NULL where the count is 0.
@@ -185,15 +185,17 @@ fn code(backend: Backend) -> LightovenBackend {
 }
 
 /// Takes an engine's device. `desc`, `gpu`: not NULL. `gpu` is written only where the call succeeds. UNSUPPORTED names an
-/// extension or feature that is required and was not enabled.
+/// extension or feature that is required and was not enabled, INVALID_SETTINGS a queue family that the device does not have or
+/// that cannot do the work.
 ///
 /// # Safety
 /// - `desc` and what it points to are as its members say; the handles are valid and belong together; extensions and features
 ///   are those that the device was created with.
 /// - All of them outlive the LightovenGpu.
-/// - The engine does not use the queues during `lightoven_baker_create`, `_bake`, `_read_back`, `_write_exr`, `_write_png` and
-///   `_set_scene`, nor the queue for compute during `lightoven_baker_submit`: Vulkan wants one thread at a time there. Calls of
-///   lightoven's for bakers of one LightovenGpu may come from several threads, and wait for each other.
+/// - The engine does not use the queues during `lightoven_baker_create`, `_bake`, `_bake_until`, `_read_back`, `_write_exr`,
+///   `_write_png` and `_set_scene`, nor the queue for compute during `lightoven_baker_submit`: Vulkan wants one thread at a time
+///   there. Calls of lightoven's may come from several threads: where they use one queue they wait for each other, whichever
+///   LightovenGpu they go by.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn lightoven_gpu_create(
     desc: *const LightovenGpuDesc,

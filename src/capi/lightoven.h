@@ -503,9 +503,9 @@ typedef struct LightovenGpuDesc {
     VkQueue queue;
     // A queue with compute for `lightoven_baker_submit`. NULL: `queue`.
     VkQueue compute_queue;
-    // The family of `queue`.
+    // The family of `queue`, with graphics and compute.
     uint32_t queue_family;
-    // The family of `compute_queue`; not looked at where that is NULL.
+    // The family of `compute_queue`, with compute; not looked at where that is NULL.
     uint32_t compute_queue_family;
     // Extensions enabled on the instance, `[instance_extension_count]`. With VK_EXT_debug_utils objects are named and passes
     // labelled. NULL where the count is 0.
@@ -650,7 +650,7 @@ typedef struct LightovenMaterial {
     const struct LightovenTextureUse *albedo_texture;
     // Multiplied with `emission`. NULL: none.
     const struct LightovenTextureUse *emission_texture;
-    // Diffuse albedo, at least 0; over 0.999 it is clamped with a warning.
+    // Diffuse albedo, at least 0. Over 0.999, or no number, it is clamped with a warning; before a texture up to 1 without one.
     float albedo[3];
     // Emitted radiance, at least 0.
     float emission[3];
@@ -788,7 +788,7 @@ typedef struct LightovenBakeSettings {
     uint32_t resolution;
     // Texels for one scene unit of length; default 0: as `resolution` says.
     float texels_per_unit;
-    // How many times light is reflected; default LIGHTOVEN_ALL_BOUNCES, which frames insist on.
+    // How many times light is reflected: 0 to 16384, or LIGHTOVEN_ALL_BOUNCES, the default, which frames insist on.
     uint32_t bounces;
     // A LightovenSampling; default auto.
     uint32_t sampling;
@@ -801,6 +801,22 @@ typedef struct LightovenBakeSettings {
     // 0.
     uint32_t reserved;
 } LightovenBakeSettings;
+
+// What a bake will take.
+typedef struct LightovenEstimate {
+    // sizeof(LightovenEstimate)
+    size_t struct_size;
+    // Most device memory that the baker ever takes, while it is made too; bytes, to about 5 %.
+    uint64_t most_bytes;
+    // Device memory that it holds once it is made.
+    uint64_t held_bytes;
+    // Texels whose centre a surface covers.
+    uint64_t covered_texels;
+    // Columns of the light map.
+    uint32_t width;
+    // Rows of the light map.
+    uint32_t height;
+} LightovenEstimate;
 
 // Bakes the light map of one scene on one device. The null handle has the id 0. One thread at a time: a call while another one
 // works on the same baker, also from that one's callback, gives IN_USE. Destroy it once every frame that it recorded or
@@ -856,6 +872,55 @@ typedef struct LightovenStatistics {
     uint32_t epochs;
     // What was noticed, one sentence each.
     uint32_t warning_count;
+    // Samples of the texels that have most; with LIGHTOVEN_ERROR_ESTIMATE_ADAPTIVE others may have fewer. 0 within frames.
+    double most_samples;
+    // World area of the texels that take rays, square scene units; 0 until a bake has begun, and within frames.
+    double area;
+    // Rays sent by the cosine so far.
+    uint64_t cosine_rays;
+    // Rays aimed at the light map so far.
+    uint64_t source_rays;
+    // Rays aimed at the sky map so far.
+    uint64_t sky_rays;
+    // What all surfaces shine, lately: luminance times world area in square scene units; below 0: not known.
+    double power;
+    // Texels whose radiance is negative, infinite or no number, lately: no ray is aimed at them.
+    uint64_t unaimed_texels;
+    // Times that what rays are aimed by was made from the light map.
+    uint64_t pyramids;
+    // Time for the hierarchy on the host, nanoseconds, as all times.
+    uint64_t bvh_ns;
+    // For the layout of the light map, the upload of the scene and the g-buffer.
+    uint64_t gbuffer_ns;
+    // For finding what rays can be aimed at.
+    uint64_t aiming_ns;
+    // For the first source map and light from analytic lights.
+    uint64_t direct_ns;
+    // For what rays are aimed by.
+    uint64_t importance_ns;
+    // For rays and source maps. Times within frames are those of LightovenFrameTiming.
+    uint64_t bake_ns;
+    // For light maps, their gutters and error estimates.
+    uint64_t resolve_ns;
+    // For pipelines, and what the driver compiles at their first use.
+    uint64_t compile_ns;
+    // Share of rays sent by the cosine at present, a mixture's alpha; 0 to 1, as all shares.
+    float cosine_share;
+    // Share of rays aimed at the light map at present.
+    float source_share;
+    // Share of rays aimed at the sky map at present.
+    float sky_share;
+    // Share of the rays aimed at the light map that saw what they were aimed at, lately; below 0: none was aimed.
+    float source_seen;
+    // Share of the rays aimed at the sky map that left the scene, lately; below 0: none was aimed.
+    float sky_seen;
+    // How even what shines is: 1 where all surfaces have one radiance, toward 0 the smaller the part is that shines; below 0: not
+    // known.
+    float evenness;
+    // What is left out because scene and settings do not need it; `lightoven_baker_left_out` has words for it.
+    uint32_t left_out_count;
+    // 1: the light map can only be black, and nothing was built; else 0.
+    uint32_t dark;
 } LightovenStatistics;
 
 // The layout of a light map.
@@ -891,7 +956,7 @@ typedef struct LightovenAtlasRect {
 typedef struct LightovenStop {
     // sizeof(LightovenStop)
     size_t struct_size;
-    // Time from the call, nanoseconds. 0: no limit.
+    // Time from the call, nanoseconds; with `lightoven_baker_bake_until` that of all calls. 0: no limit.
     uint64_t time_ns;
     // Rays a texel; rounded up to a multiple of 64, at most 2^30. 0: no limit.
     uint32_t samples;
@@ -907,7 +972,7 @@ typedef struct LightovenProgress {
     uint64_t rays;
     // Samples of a texel, in the mean.
     uint64_t samples_per_texel;
-    // Time since the call, nanoseconds.
+    // Time since the call, or that of all calls, as the stop's time counts; nanoseconds.
     uint64_t elapsed_ns;
     // Time to the stop at the rate so far, nanoseconds; the largest number while it cannot be told.
     uint64_t time_left_ns;
@@ -1015,15 +1080,17 @@ LightovenStatus lightoven_requirements(PFN_vkGetInstanceProcAddr get_instance_pr
                                        struct LightovenRequirements *requirements);
 
 // Takes an engine's device. `desc`, `gpu`: not NULL. `gpu` is written only where the call succeeds. UNSUPPORTED names an
-// extension or feature that is required and was not enabled.
+// extension or feature that is required and was not enabled, INVALID_SETTINGS a queue family that the device does not have or
+// that cannot do the work.
 //
 // # Safety
 // - `desc` and what it points to are as its members say; the handles are valid and belong together; extensions and features
 //   are those that the device was created with.
 // - All of them outlive the LightovenGpu.
-// - The engine does not use the queues during `lightoven_baker_create`, `_bake`, `_read_back`, `_write_exr`, `_write_png` and
-//   `_set_scene`, nor the queue for compute during `lightoven_baker_submit`: Vulkan wants one thread at a time there. Calls of
-//   lightoven's for bakers of one LightovenGpu may come from several threads, and wait for each other.
+// - The engine does not use the queues during `lightoven_baker_create`, `_bake`, `_bake_until`, `_read_back`, `_write_exr`,
+//   `_write_png` and `_set_scene`, nor the queue for compute during `lightoven_baker_submit`: Vulkan wants one thread at a time
+//   there. Calls of lightoven's may come from several threads: where they use one queue they wait for each other, whichever
+//   LightovenGpu they go by.
 LightovenStatus lightoven_gpu_create(const struct LightovenGpuDesc *desc,
                                      struct LightovenGpu *gpu);
 
@@ -1117,14 +1184,14 @@ LightovenStatus lightoven_bake_settings_default(struct LightovenBakeSettings *se
 // `settings` may be written.
 LightovenStatus lightoven_frame_settings_default(struct LightovenFrameSettings *settings);
 
-// Tells how much device memory a baker will take, bytes, to about 5 %, before anything is allocated. `settings`: NULL for the
-// defaults. `bytes`: not NULL.
+// Tells what a baker will take, before anything is allocated. `settings`: NULL for the defaults. `estimate`: not NULL; its
+// `struct_size` is set before.
 //
 // # Safety
-// `settings` is NULL or as its members say; `bytes` may be written.
+// `settings` is NULL or as its members say; `estimate` may be written.
 LightovenStatus lightoven_estimate_memory(struct LightovenScene scene,
                                           const struct LightovenBakeSettings *settings,
-                                          uint64_t *bytes);
+                                          struct LightovenEstimate *estimate);
 
 // Makes a baker. `settings`: NULL for the defaults. `baker`: not NULL, written only where the call succeeds. It waits for the
 // device.
@@ -1150,23 +1217,6 @@ LightovenStatus lightoven_baker_destroy(struct LightovenBaker baker);
 LightovenStatus lightoven_baker_light_map(struct LightovenBaker baker,
                                           struct LightovenLightMap *light_map);
 
-// Tells what has been done so far. `statistics`: not NULL; its `struct_size` is set before.
-//
-// # Safety
-// `statistics` may be written.
-LightovenStatus lightoven_baker_statistics(struct LightovenBaker baker, struct LightovenStatistics *statistics);
-
-// Gives a warning: UTF-8, ended by a NUL, cut short where `capacity` is too small for all of it. `index`: below
-// `LightovenStatistics::warning_count`; the other parameters are those of `lightoven_scene_text`.
-//
-// # Safety
-// As `lightoven_scene_text`.
-LightovenStatus lightoven_baker_warning(struct LightovenBaker baker,
-                                        uint32_t index,
-                                        char *buffer,
-                                        size_t capacity,
-                                        size_t *length);
-
 // Copies the light map, gutters filled, to the host: waits for the device; no frame is then under way. `pixels`: room for
 // `pixel_count` times four floats, R, G, B and A, `[height][width][4]` from light-map coordinate v = 0; not NULL.
 // `pixel_count`: width times height of `lightoven_baker_light_map`, and nothing else.
@@ -1191,6 +1241,36 @@ LightovenStatus lightoven_baker_write_exr(struct LightovenBaker baker,
 // # Safety
 // As `lightoven_baker_write_exr`.
 LightovenStatus lightoven_baker_write_png(struct LightovenBaker baker, const char *path);
+
+// Tells what has been done so far. `statistics`: not NULL; its `struct_size` is set before.
+//
+// # Safety
+// `statistics` may be written.
+LightovenStatus lightoven_baker_statistics(struct LightovenBaker baker, struct LightovenStatistics *statistics);
+
+// Gives a warning: UTF-8, ended by a NUL, cut short where `capacity` is too small for all of it. `index`: below
+// `LightovenStatistics::warning_count`; the other parameters are those of `lightoven_scene_text`.
+//
+// # Safety
+// As `lightoven_scene_text`.
+LightovenStatus lightoven_baker_warning(struct LightovenBaker baker,
+                                        uint32_t index,
+                                        char *buffer,
+                                        size_t capacity,
+                                        size_t *length);
+
+// Gives what a baker does without, in words, such as "no sky": UTF-8, ended by a NUL, cut short where `capacity` is too small
+// for all of it. `index`: below `LightovenStatistics::left_out_count`. `bytes`: set to about what that saves of device memory, 0
+// where it saves time alone, or NULL; the other parameters are those of `lightoven_scene_text`.
+//
+// # Safety
+// As `lightoven_scene_text`; `bytes` is NULL or may be written.
+LightovenStatus lightoven_baker_left_out(struct LightovenBaker baker,
+                                         uint32_t index,
+                                         char *buffer,
+                                         size_t capacity,
+                                         size_t *length,
+                                         uint64_t *bytes);
 
 // Tells how a light map is laid out; it stays so. `atlas`: not NULL; its `struct_size` is set before.
 //
@@ -1221,6 +1301,18 @@ LightovenStatus lightoven_baker_bake(struct LightovenBaker baker,
                                      LightovenProgressCallback callback,
                                      void *user,
                                      uint32_t *end);
+
+// `lightoven_baker_bake` for one that looks at the light map on the way, the samples being those of a bake at a stretch: the
+// stop's time is what all calls take together, the clock stands still between them, and nothing is said of bounces that are
+// missing, for the bake goes on.
+//
+// # Safety
+// As `lightoven_baker_bake`.
+LightovenStatus lightoven_baker_bake_until(struct LightovenBaker baker,
+                                           const struct LightovenStop *stop,
+                                           LightovenProgressCallback callback,
+                                           void *user,
+                                           uint32_t *end);
 
 // Records a frame's work into the engine's command buffer: about as much as the device does in `budget_ns`, and nothing for 0.
 // What the engine records afterwards sees the map that `lightoven_baker_light_map` then gives; drawing that reads it elsewhere

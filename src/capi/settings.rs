@@ -111,7 +111,7 @@ pub struct LightovenBakeSettings {
     pub resolution: u32,
     /// Texels for one scene unit of length; default 0: as `resolution` says.
     pub texels_per_unit: f32,
-    /// How many times light is reflected; default LIGHTOVEN_ALL_BOUNCES, which frames insist on.
+    /// How many times light is reflected: 0 to 16384, or LIGHTOVEN_ALL_BOUNCES, the default, which frames insist on.
     pub bounces: u32,
     /// A LightovenSampling; default auto.
     pub sampling: u32,
@@ -237,25 +237,52 @@ unsafe fn mode(frames: *const LightovenFrameSettings) -> Outcome<Mode> {
     }))
 }
 
-/// Tells how much device memory a baker will take, bytes, to about 5 %, before anything is allocated. `settings`: NULL for the
-/// defaults. `bytes`: not NULL.
+/// What a bake will take.
+#[derive(Debug, Clone, Copy)]
+#[repr(C)]
+pub struct LightovenEstimate {
+    /// sizeof(LightovenEstimate)
+    pub struct_size: usize,
+    /// Most device memory that the baker ever takes, while it is made too; bytes, to about 5 %.
+    pub most_bytes: u64,
+    /// Device memory that it holds once it is made.
+    pub held_bytes: u64,
+    /// Texels whose centre a surface covers.
+    pub covered_texels: u64,
+    /// Columns of the light map.
+    pub width: u32,
+    /// Rows of the light map.
+    pub height: u32,
+}
+
+structures!(LightovenEstimate = [40]);
+
+/// Tells what a baker will take, before anything is allocated. `settings`: NULL for the defaults. `estimate`: not NULL; its
+/// `struct_size` is set before.
 ///
 /// # Safety
-/// `settings` is NULL or as its members say; `bytes` may be written.
+/// `settings` is NULL or as its members say; `estimate` may be written.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn lightoven_estimate_memory(
     scene: LightovenScene,
     settings: *const LightovenBakeSettings,
-    bytes: *mut u64,
+    estimate: *mut LightovenEstimate,
 ) -> LightovenStatus {
     guard(|| {
-        check_result(bytes, "the bytes' place")?;
+        check_result(estimate, "the estimate")?;
         // SAFETY: by the caller's word.
         let settings = unsafe { bake_settings(settings)? };
-        let (_, estimate) = estimate_memory(&*scene_of(scene)?, &settings)?;
+        let (atlas, memory) = estimate_memory(&*scene_of(scene)?, &settings)?;
+        let filled = LightovenEstimate {
+            struct_size: size_of::<LightovenEstimate>(),
+            most_bytes: memory.most(),
+            held_bytes: memory.total(),
+            covered_texels: atlas.covered_texels as u64,
+            width: atlas.size.x,
+            height: atlas.size.y,
+        };
         // SAFETY: it may be written by the caller's word.
-        unsafe { bytes.write(estimate.most()) };
-        Ok(())
+        unsafe { write(estimate, "the estimate", &filled) }
     })
 }
 

@@ -4,7 +4,8 @@ use super::arguments::{check_result, read, structures};
 use super::baker::{LightovenBaker, with};
 use super::settings::nanoseconds;
 use super::status::{LightovenStatus, Outcome, guard};
-use crate::baker::{Outcome as Ended, Phase, Progress, Stop};
+use crate::baker::{Baker, Outcome as Ended, Phase, Progress, Stop};
+use crate::error::{Error, Result};
 use std::ffi::c_void;
 use std::ops::ControlFlow;
 use std::time::Duration;
@@ -15,7 +16,7 @@ use std::time::Duration;
 pub struct LightovenStop {
     /// sizeof(LightovenStop)
     pub struct_size: usize,
-    /// Time from the call, nanoseconds. 0: no limit.
+    /// Time from the call, nanoseconds; with `lightoven_baker_bake_until` that of all calls. 0: no limit.
     pub time_ns: u64,
     /// Rays a texel; rounded up to a multiple of 64, at most 2^30. 0: no limit.
     pub samples: u32,
@@ -45,7 +46,7 @@ pub struct LightovenProgress {
     pub rays: u64,
     /// Samples of a texel, in the mean.
     pub samples_per_texel: u64,
-    /// Time since the call, nanoseconds.
+    /// Time since the call, or that of all calls, as the stop's time counts; nanoseconds.
     pub elapsed_ns: u64,
     /// Time to the stop at the rate so far, nanoseconds; the largest number while it cannot be told.
     pub time_left_ns: u64,
@@ -96,29 +97,61 @@ pub unsafe extern "C" fn lightoven_baker_bake(
     user: *mut c_void,
     end: *mut u32,
 ) -> LightovenStatus {
-    guard(|| {
-        if !end.is_null() {
-            check_result(end, "the end's place")?;
-        }
-        // SAFETY: as its members say, by the caller's word.
-        let stop = limits(unsafe { read(stop, "the stop")? }, callback)?;
-        let mut report = |progress: &Progress| {
-            let told = told(progress);
-            // SAFETY: it may be called so by the caller's word.
-            let ends = callback.is_some_and(|callback| unsafe { callback(&raw const told, user) } != 0);
-            if ends { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-        };
-        let outcome = with(baker, |held| Ok(held.baker.bake(&stop, &mut report)?))?;
-        let ended = match outcome {
-            Ended::Finished => LightovenEnd::Finished,
-            Ended::Interrupted => LightovenEnd::Interrupted,
-        };
-        if !end.is_null() {
-            // SAFETY: it may be written by the caller's word.
-            unsafe { end.write(ended as u32) };
-        }
-        Ok(())
-    })
+    // SAFETY: the same contract.
+    guard(|| unsafe { bake(baker, Baker::bake, stop, callback, user, end) })
+}
+
+/// `lightoven_baker_bake` for one that looks at the light map on the way, the samples being those of a bake at a stretch: the
+/// stop's time is what all calls take together, the clock stands still between them, and nothing is said of bounces that are
+/// missing, for the bake goes on.
+///
+/// # Safety
+/// As `lightoven_baker_bake`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn lightoven_baker_bake_until(
+    baker: LightovenBaker,
+    stop: *const LightovenStop,
+    callback: LightovenProgressCallback,
+    user: *mut c_void,
+    end: *mut u32,
+) -> LightovenStatus {
+    // SAFETY: the same contract.
+    guard(|| unsafe { bake(baker, Baker::bake_until, stop, callback, user, end) })
+}
+
+/// What bakes: [`Baker::bake`] or [`Baker::bake_until`].
+type Way = fn(&mut Baker, &Stop, &mut dyn FnMut(&Progress) -> ControlFlow<()>) -> Result<Ended>;
+
+/// # Safety
+/// As [`lightoven_baker_bake`].
+unsafe fn bake(
+    baker: LightovenBaker,
+    way: Way,
+    stop: *const LightovenStop,
+    callback: LightovenProgressCallback,
+    user: *mut c_void,
+    end: *mut u32,
+) -> Outcome {
+    if !end.is_null() {
+        check_result(end, "the end's place")?;
+    }
+    // SAFETY: as its members say, by the caller's word.
+    let stop = limits(unsafe { read(stop, "the stop")? }, callback)?;
+    let mut report = |progress: &Progress| {
+        let told = told(progress);
+        // SAFETY: it may be called so by the caller's word.
+        let ends = callback.is_some_and(|callback| unsafe { callback(&raw const told, user) } != 0);
+        if ends { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    };
+    let ended = match with(baker, |held| Ok(way(&mut held.baker, &stop, &mut report)?))? {
+        Ended::Finished => LightovenEnd::Finished,
+        Ended::Interrupted => LightovenEnd::Interrupted,
+    };
+    if !end.is_null() {
+        // SAFETY: it may be written by the caller's word.
+        unsafe { end.write(ended as u32) };
+    }
+    Ok(())
 }
 
 fn limits(stop: LightovenStop, callback: LightovenProgressCallback) -> Outcome<Stop> {
@@ -129,7 +162,7 @@ fn limits(stop: LightovenStop, callback: LightovenProgressCallback) -> Outcome<S
     };
     if limits == Stop::default() && callback.is_none() {
         let text = "the stop has no limit, and there is no callback: the bake would never end";
-        return Err(crate::error::Error::settings(text).into());
+        return Err(Error::settings(text).into());
     }
     Ok(limits)
 }

@@ -37,6 +37,24 @@ fn rounding_does_not_look_like_convergence() {
     }
 }
 
+/// A limit that automatic bounces never reach refuses nobody who knows what for.
+#[test]
+fn no_sensible_limit_is_refused() {
+    let largest = f64::from(crate::scene::MAX_ALBEDO);
+    for rounded in [|radiance| radiance, |radiance| f64::from(radiance as f32)] {
+        let (bounces, _) = run(largest, rounded);
+        assert!((8000..Bounces::MAX_LIMIT).contains(&bounces), "{bounces} bounces");
+    }
+    assert!(largest.powi(Bounces::MAX_LIMIT as i32) < 2.0 * f64::from(f32::EPSILON));
+    for fine in [Bounces::Auto, Bounces::Limit(0), Bounces::Limit(Bounces::MAX_LIMIT)] {
+        assert!(fine.check().is_ok(), "{fine:?}");
+    }
+    for endless in [Bounces::MAX_LIMIT + 1, 4_000_000_000, u32::MAX] {
+        let refused = Bounces::Limit(endless).check().expect_err("must be refused").to_string();
+        assert!(refused.contains(&endless.to_string()) && refused.contains("0 to 16384"), "{refused}");
+    }
+}
+
 #[test]
 fn kept_epochs_double_and_limits_are_kept() {
     let mut black = Epochs::new(Bounces::Auto, Stage::Pilot, 0.0, 1.0);

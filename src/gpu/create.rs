@@ -1,8 +1,9 @@
 //! Makes an instance and a device of our own.
 
 use super::backend::Backend;
-use super::device::{Gpu, Loaded, OwnedInstance, Owner, Queue, RawQueue};
+use super::device::{Gpu, Loaded, OwnedInstance, Owner};
 use super::info::{DeviceInfo, Messages, describe, queue_family};
+use super::queue::{Queue, RawQueue};
 use super::requirements::{FeatureChain, Requirements};
 use super::vulkan_error;
 use crate::error::{Error, ErrorKind, Result};
@@ -126,10 +127,10 @@ pub(crate) fn create_device(
         .map_err(|result| vulkan_error("create the device", result))?;
     // SAFETY: the queue was asked for above.
     let queue = RawQueue { handle: unsafe { device.get_device_queue(family, 0) }, family };
-    let queue = Queue::new(queue, &owned.instance, physical_device);
     let debug_utils = owned.messenger.is_some();
     let instance = owned.instance.clone();
     let owner = Owner { device: device.clone(), _instance: owned };
+    let queue = Queue::new(queue, &instance, physical_device, device.handle())?;
     let loaded =
         Loaded { instance, physical_device, device, queue, compute_queue: None, backend, debug_utils, pipeline_cache };
     Gpu::owned(loaded, owner, index)

@@ -2,9 +2,10 @@
 
 use super::backend::{Backend, BackendChoice};
 use super::cache::PipelineCache;
-use super::info::{DeviceInfo, Messages, Timestamps};
+use super::info::{DeviceInfo, Messages};
 use super::objects::Ledger;
 use super::pipeline::{Pipeline, PipelineKey};
+use super::queue::{Purpose, Queue, RawQueue};
 use super::requirements::{DeviceFeatures, Requirements};
 use super::shared::Shared;
 use crate::error::{Error, ErrorKind, Result};
@@ -12,15 +13,6 @@ use ash::{ext, khr, vk};
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 use std::ffi::CStr;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-
-/// A queue and the family that it was taken from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct RawQueue {
-    /// The queue.
-    pub handle: vk::Queue,
-    /// Its family.
-    pub family: u32,
-}
 
 /// Vulkan handles to build a [`Gpu`] from.
 pub struct RawDevice<'a> {
@@ -83,26 +75,6 @@ enum Keeper {
     Own(#[expect(dead_code, reason = "held to be dropped last")] Box<Owner>),
     /// It is that of another [`Gpu`], which plays the engine.
     Lender(#[expect(dead_code, reason = "held to be dropped last")] Gpu),
-}
-
-/// A queue, for one thread at a time, whichever [`Gpu`] it submits by.
-pub(super) struct Queue {
-    handle: Mutex<vk::Queue>,
-    pub(super) family: u32,
-    /// How timestamps of the family count.
-    pub(super) timestamps: Option<Timestamps>,
-}
-
-impl Queue {
-    pub(super) fn new(raw: RawQueue, instance: &ash::Instance, physical_device: vk::PhysicalDevice) -> Arc<Self> {
-        let timestamps = super::info::timestamps(instance, physical_device, raw.family);
-        Arc::new(Self { handle: Mutex::new(raw.handle), family: raw.family, timestamps })
-    }
-
-    /// The queue, for this thread alone while the guard lives.
-    pub(super) fn lock(&self) -> MutexGuard<'_, vk::Queue> {
-        self.handle.lock().unwrap_or_else(PoisonError::into_inner)
-    }
 }
 
 /// A device with its functions loaded.
@@ -199,8 +171,9 @@ impl Gpu {
     /// Takes an engine's device. Nothing that is passed in is destroyed.
     ///
     /// # Errors
-    /// `Unsupported`, naming an extension or feature that is required and was not enabled; `OutOfMemory` or `Driver` where
-    /// the memory allocator or the pipeline cache cannot be made.
+    /// `Unsupported`, naming an extension or feature that is required and was not enabled; `InvalidSettings` for a queue
+    /// family that the device does not have, or that cannot do the work; `OutOfMemory` or `Driver` where the memory allocator
+    /// or the pipeline cache cannot be made.
     ///
     /// # Safety
     /// - The handles are valid and belong together; extensions and features are those that the device was created with.
@@ -208,7 +181,8 @@ impl Gpu {
     /// - A frame is reported to `Baker::complete` only once it has finished on the device, with all that uses a light map of
     ///   its baker in it. A baker is dropped, or its light map read back, only while no frame of it is under way.
     /// - Nobody else uses the queues during `Baker::new`, `Baker::bake`, `Baker::read_back` and by `Tracer` and
-    ///   `GatherBench`, nor the queue for compute during `Baker::submit`: Vulkan wants one thread at a time there.
+    ///   `GatherBench`, nor the queue for compute during `Baker::submit`: Vulkan wants one thread at a time there. All that
+    ///   this crate does with one queue waits for each other, whichever `Gpu` it goes by.
     pub unsafe fn from_raw(raw: RawDevice<'_>) -> Result<Self> {
         // SAFETY: instance and device are valid by the caller's word.
         let (instance, device) = unsafe {
@@ -225,12 +199,17 @@ impl Gpu {
         };
         let requirements = Requirements::find(&instance, raw.physical_device, choice)?;
         requirements.check(raw.device_extensions, raw.features)?;
-        let queue = |queue| Queue::new(queue, &instance, raw.physical_device);
+        // SAFETY: the physical device is the instance's by the caller's word.
+        let families = unsafe { instance.get_physical_device_queue_family_properties(raw.physical_device) };
+        Purpose::ALL.check(raw.queue.family, &families)?;
+        raw.compute_queue.map_or(Ok(()), |queue| Purpose::COMPUTE.check(queue.family, &families))?;
+        let queue = |queue| Queue::new(queue, &instance, raw.physical_device, raw.device);
+        let other = raw.compute_queue.filter(|queue| queue.handle != raw.queue.handle);
         let loaded = Loaded {
             physical_device: raw.physical_device,
             device,
-            queue: queue(raw.queue),
-            compute_queue: raw.compute_queue.filter(|queue| queue.handle != raw.queue.handle).map(queue),
+            queue: queue(raw.queue)?,
+            compute_queue: other.map(queue).transpose()?,
             instance,
             backend: requirements.backend,
             debug_utils: raw.instance_extensions.contains(&ext::debug_utils::NAME),

@@ -15,6 +15,7 @@ mod info;
 mod memory;
 mod objects;
 mod pipeline;
+mod queue;
 mod recorder;
 mod rehearsal;
 mod requirements;
@@ -27,10 +28,11 @@ mod timer;
 pub(crate) mod layout;
 
 pub use backend::{Backend, BackendChoice};
-pub use device::{Gpu, RawDevice, RawQueue};
+pub use device::{Gpu, RawDevice};
 pub use frame::{FrameCommands, TimelinePoint};
 pub use info::DeviceInfo;
 pub use objects::Objects;
+pub use queue::RawQueue;
 pub use requirements::{DeviceFeatures, FeatureChain, Requirements};
 
 pub(crate) use acceleration::SceneStructure;

@@ -1,6 +1,6 @@
 //! Analytic lights, in the units of glTF's KHR_lights_punctual.
 
-use super::check_light_quantity;
+use super::{check_light_quantity, unit};
 use crate::error::{Error, Result};
 use glam::{DVec3, Vec3};
 
@@ -58,7 +58,7 @@ impl Light {
         let name = &self.name;
         check_light_quantity(|| format!("the intensity of light '{name}'"), self.intensity)?;
         let unit = |direction: Vec3| {
-            direction.try_normalize().ok_or_else(|| {
+            unit(direction).ok_or_else(|| {
                 Error::scene(format!("the direction of light '{name}' is {direction}; allowed is any finite one but 0"))
             })
         };

@@ -53,7 +53,8 @@ pub struct Texture {
 pub struct Material {
     /// Shown in messages.
     pub name: String,
-    /// Diffuse albedo, linear Rec. 709, at least 0; over [`MAX_ALBEDO`] it is clamped with a warning.
+    /// Diffuse albedo, linear Rec. 709, at least 0. Over [`MAX_ALBEDO`], or no number, it is clamped with a warning; before a
+    /// texture up to 1 without one.
     pub albedo: Vec3,
     /// Multiplied with `albedo`.
     pub albedo_texture: Option<TextureUse>,
@@ -82,18 +83,15 @@ impl Material {
                 )));
             }
         }
-        if !(self.albedo.min_element() >= 0.0) && !self.albedo.is_nan() {
-            let albedo = self.albedo;
+        let albedo = self.albedo;
+        if albedo.cmplt(Vec3::ZERO).any() {
             return Err(Error::scene(format!("the albedo of material '{name}' is {albedo}; allowed is at least 0")));
         }
-        if !(self.albedo.max_element() <= MAX_ALBEDO) || self.albedo.is_nan() {
-            let albedo = self.albedo;
-            let clamp = |c: f32| if c <= MAX_ALBEDO { c } else { MAX_ALBEDO };
-            self.albedo = Vec3::new(clamp(albedo.x), clamp(albedo.y), clamp(albedo.z));
-            // A white texture's factor of 1 is glTF's default and nothing to warn of: the product is clamped on the device.
-            if self.albedo_texture.is_none() {
-                warnings.push(format!("the albedo of material '{name}', {albedo}, is clamped to {MAX_ALBEDO}"));
-            }
+        self.albedo = albedo.map(|c| if c <= MAX_ALBEDO { c } else { MAX_ALBEDO });
+        // A white texture's factor of 1 is glTF's default and nothing to warn of: the product is clamped on the device.
+        let most = if self.albedo_texture.is_some() { 1.0 } else { MAX_ALBEDO };
+        if !albedo.cmple(Vec3::splat(most)).all() {
+            warnings.push(format!("the albedo of material '{name}', {albedo}, is clamped to {MAX_ALBEDO}"));
         }
         Ok(())
     }

@@ -1,6 +1,6 @@
 //! Triangles, as they are described and as they are kept.
 
-use super::Material;
+use super::{Material, unit};
 use crate::error::{Error, Result};
 use glam::{Vec2, Vec3};
 
@@ -79,8 +79,7 @@ impl Mesh {
                 dropped.zero_uv_area += usize::from(!has_area);
                 has_area
             });
-            let vertex_normal =
-                |v: usize| part.normals.as_ref().map_or(normal, |n| n[v].try_normalize().unwrap_or(normal));
+            let vertex_normal = |v: usize| part.normals.as_ref().map_or(normal, |n| unit(n[v]).unwrap_or(normal));
             self.positions.push(positions);
             self.normals.push(corners.map(vertex_normal));
             self.light_map_uvs.push(uvs);

@@ -182,6 +182,12 @@ pub(crate) fn check_light_quantity(what: impl Fn() -> String, value: Vec3) -> Re
     Err(Error::scene(format!("{} is {value}; allowed are finite numbers of at least 0", what())))
 }
 
+/// A direction brought to unit length; `None` for 0 and for what is not finite. In f64, where no f32 is so long or so short
+/// that its square is none.
+fn unit(direction: Vec3) -> Option<Vec3> {
+    direction.as_dvec3().try_normalize().map(|unit| unit.as_vec3())
+}
+
 impl Scene {
     /// A hash of what surfaces look like: materials, textures and where they lie, and of an only instance, which bakes in its
     /// own space, how it is placed. Equal scenes have the same within a process.

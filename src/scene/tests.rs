@@ -76,7 +76,47 @@ fn albedo_is_clamped_and_negatives_are_rejected() {
     assert_eq!(scene.materials()[0].albedo, Vec3::new(MAX_ALBEDO, MAX_ALBEDO, 0.5));
     assert_eq!(scene.warnings().len(), 1);
     assert!(message(material(Vec3::splat(-0.1), Vec3::ZERO)).contains("albedo of material 'm'"));
+    for beside in [f32::NAN, f32::INFINITY, 0.5] {
+        let refused = message(material(Vec3::new(beside, -0.1, 0.5), Vec3::ZERO));
+        assert!(refused.contains("albedo of material 'm' is") && refused.contains("at least 0"), "{refused}");
+    }
     assert!(message(material(Vec3::ZERO, Vec3::splat(f32::INFINITY))).contains("emission of material 'm'"));
+}
+
+/// Of a texture's factor too, but for what a file says that says nothing.
+#[test]
+fn a_textures_factor_is_clamped_with_a_warning() {
+    for (factor, warnings) in [(0.5, 0), (1.0, 0), (1.001, 1), (f32::INFINITY, 1), (f32::NAN, 1)] {
+        let albedo_texture = Some(TextureUse { texture: 0, wrap: [Wrap::Repeat; 2] });
+        let albedo = Vec3::new(0.25, factor, 1.0);
+        let materials = vec![Material { name: "m".into(), albedo, albedo_texture, ..Material::default() }];
+        let textures = vec![Texture { name: "t".into(), width: 1, height: 1, pixels: vec![[255; 4]] }];
+        let scene = Scene::new(SceneDesc { materials, textures, ..SceneDesc::default() }).expect("is valid");
+        assert_eq!(scene.materials()[0].albedo, Vec3::new(0.25, factor.min(MAX_ALBEDO), MAX_ALBEDO));
+        assert_eq!(scene.warnings().len(), warnings, "{factor}: {:?}", scene.warnings());
+        assert!(scene.warnings().iter().all(|warning| warning.contains("albedo of material 'm'")));
+    }
+}
+
+/// However long they are, directions are directions.
+#[test]
+fn directions_of_any_length_but_0_are_taken() {
+    let light = |direction| {
+        let light = Light { name: "sun".into(), intensity: Vec3::ONE, kind: LightKind::Directional { direction } };
+        Scene::new(SceneDesc { lights: vec![light], ..SceneDesc::default() })
+    };
+    let tiny = f32::from_bits(1);
+    for length in [tiny, 1e-30, 1e-22, 1.0, 1e19, 1e30, f32::MAX / 2.0] {
+        let scene = light(Vec3::new(0.0, -2.0, 0.0) * length).expect("is valid");
+        assert_eq!(scene.lights()[0].kind, LightKind::Directional { direction: Vec3::NEG_Y }, "{length}");
+        let mut part = quad();
+        part.normals = Some(vec![Vec3::X * length; 4]);
+        let scene = scene_of(vec![part], &[DAffine3::IDENTITY]).expect("is valid");
+        assert!(scene.meshes()[0].normals().iter().flatten().all(|normal| *normal == Vec3::X), "{length}");
+    }
+    for none in [Vec3::ZERO, Vec3::new(0.0, f32::INFINITY, 1.0), Vec3::new(f32::NAN, 0.0, 1.0)] {
+        assert!(message(light(none)).contains("the direction of light 'sun'"), "{none}");
+    }
 }
 
 #[test]

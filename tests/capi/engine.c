@@ -13,13 +13,56 @@ static int32_t count_calls(const LightovenProgress *progress, void *calls) {
     return 0;
 }
 
+/* What the baker does without, a line each. */
+static void write_left_out(LightovenBaker baker, uint32_t count, const char *path) {
+    FILE *file = fopen(path, "w");
+    if (!file) {
+        fail(path, "cannot be written");
+    }
+    for (uint32_t index = 0; index < count; index++) {
+        char words[256];
+        uint64_t bytes = 0;
+        size_t length = 0;
+        LIGHTOVEN(lightoven_baker_left_out(baker, index, words, sizeof words, &length, &bytes));
+        LIGHTOVEN(lightoven_baker_left_out(baker, index, words, sizeof words, NULL, NULL));
+        if (length != strlen(words) || fprintf(file, "%s: %llu\n", words, (unsigned long long)bytes) < 0) {
+            fail(path, "cannot be written");
+        }
+    }
+    if (fclose(file) != 0) {
+        fail(path, "cannot be written");
+    }
+}
+
+/* How rays were sent. */
+static void check_sampling(const LightovenStatistics *done) {
+    const float shares = done->cosine_share + done->source_share + done->sky_share;
+    const uint64_t rays = done->cosine_rays + done->source_rays + done->sky_rays;
+    if (shares < .999f || shares > 1.001f || rays != done->rays || done->cosine_rays == 0 || done->source_rays == 0) {
+        fail("the rays", "are not those that were traced");
+    }
+    if (done->source_seen <= 0 || done->source_seen > 1 || done->evenness <= 0 || done->evenness > 1 || done->power <= 0) {
+        fail("what rays are aimed at", "is not told");
+    }
+    if (done->most_samples != 128 || done->area <= 0 || done->pyramids == 0 || done->unaimed_texels != 0 || done->dark) {
+        fail("the statistics", "are not those of the bake");
+    }
+    if (done->bvh_ns == 0 || done->gbuffer_ns == 0 || done->bake_ns == 0 || done->compile_ns == 0) {
+        fail("the times", "are not told");
+    }
+}
+
 static void bake(Engine *engine, LightovenScene scene, const char *folder) {
     SIZED(LightovenBakeSettings, settings);
     LIGHTOVEN(lightoven_bake_settings_default(&settings));
     settings.resolution = 64;
     settings.seed = 7;
-    uint64_t bytes = 0;
-    LIGHTOVEN(lightoven_estimate_memory(scene, &settings, &bytes));
+    SIZED(LightovenEstimate, estimate);
+    LIGHTOVEN(lightoven_estimate_memory(scene, &settings, &estimate));
+    const int sized = estimate.width == 64 && estimate.height == 64 && estimate.covered_texels > 1000;
+    if (!sized || estimate.held_bytes < 64 * 64 * 16 || estimate.most_bytes <= estimate.held_bytes) {
+        fail("the estimate", "is none");
+    }
     LightovenBaker baker = {0};
     LIGHTOVEN(lightoven_baker_create(engine->gpu, scene, &settings, &baker));
     SIZED(LightovenStop, stop);
@@ -37,9 +80,12 @@ static void bake(Engine *engine, LightovenScene scene, const char *folder) {
     LIGHTOVEN(lightoven_baker_write_exr(baker, path));
     SIZED(LightovenStatistics, statistics);
     LIGHTOVEN(lightoven_baker_statistics(baker, &statistics));
+    check_sampling(&statistics);
+    path_in(path, sizeof path, folder, "left_out.txt");
+    write_left_out(baker, statistics.left_out_count, path);
     printf("a stretch: %.0f samples a texel, %llu rays, estimated error %.2f %%, %.1f KiB\n",
            statistics.samples_per_texel, (unsigned long long)statistics.rays, 100 * statistics.estimated_error,
-           (double)bytes / 1024);
+           (double)estimate.most_bytes / 1024);
     LIGHTOVEN(lightoven_baker_destroy(baker));
 }
 

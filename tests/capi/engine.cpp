@@ -69,14 +69,31 @@ void bake(const Engine &engine, const std::filesystem::path &gltf, const std::fi
     auto stop = sized<LightovenStop>();
     stop.samples = 1 << 20;
     int calls = 0;
-    Progress breaks_off = [&](const LightovenProgress &) { return ++calls < 3; };
+    std::uint64_t first_ns = 0, last_ns = 0;
+    Progress breaks_off = [&](const LightovenProgress &progress) {
+        first_ns = calls == 0 ? progress.elapsed_ns : first_ns;
+        last_ns = progress.elapsed_ns;
+        return ++calls < 3;
+    };
     std::uint32_t end = LIGHTOVEN_END_FINISHED;
     check(lightoven_baker_bake(baker, &stop, call, &breaks_off, &end));
     if (end != LIGHTOVEN_END_INTERRUPTED || calls != 3) {
         throw std::runtime_error("the bake was not broken off");
     }
+    // On from there, its clock too, with a look in between.
+    const auto before_ns = std::exchange(last_ns, 0);
+    calls = 0;
     stop.samples = 64;
-    check(lightoven_baker_bake(baker, &stop, nullptr, nullptr, nullptr));
+    check(lightoven_baker_bake_until(baker, &stop, call, &breaks_off, nullptr));
+    if (calls == 0 || first_ns < before_ns) {
+        throw std::runtime_error("the time of all calls is less than that of one");
+    }
+    std::vector<float> seen(4 * 64 * 64);
+    check(lightoven_baker_read_back(baker, seen.data(), seen.size() / 4));
+    check(lightoven_baker_bake_until(baker, &stop, nullptr, nullptr, &end));
+    if (end != LIGHTOVEN_END_FINISHED) {
+        throw std::runtime_error("the bake did not finish");
+    }
     write_pixels(baker, (folder / "gltf.bin").c_str());
     check(lightoven_baker_write_png(baker, (folder / "gltf.png").c_str()));
 }

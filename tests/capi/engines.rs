@@ -55,6 +55,9 @@ fn an_engine_in_c() {
         same(folder.path(), "still.bin", &still);
         let (width, height, pixels) = lightoven::io::exr::read_image(&folder.path().join("still.exr")).unwrap();
         assert_eq!(LightMap { width, height, pixels }, still);
+        let left_out = fs::read_to_string(folder.path().join("left_out.txt")).unwrap();
+        assert_eq!(left_out, reference::left_out(&engine, &reference::scene(), 7));
+        println!("left out:\n{left_out}");
         same(folder.path(), "frames.bin", &reference::frames(&mut engine, Way::Record));
         engine.finish();
     }
@@ -75,6 +78,14 @@ fn an_engine_in_cpp() {
         assert!(image::open(folder.path().join("gltf.png")).unwrap().width() == 64);
         engine.finish();
     }
+}
+
+/// Two devices of lightoven's over one queue, in two threads at a time: the validation layers have nothing to say.
+#[test]
+fn a_queue_that_is_handed_over_twice() {
+    let text = run(&mut Command::new(compile("queue.c", Linked::Shared, &["-pthread"])));
+    println!("{text}");
+    assert!(text.contains("2 threads"), "{text}");
 }
 
 /// Nothing links Vulkan: all that engines hand over is vkGetInstanceProcAddr.

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 
 /// Files of the interface, in the order of the header: what is needed is above what needs it.
-const ORDER: [&str; 14] = [
+const ORDER: [&str; 15] = [
     "version.rs",
     "status.rs",
     "log.rs",
@@ -16,6 +16,7 @@ const ORDER: [&str; 14] = [
     "scene/read.rs",
     "settings.rs",
     "baker.rs",
+    "statistics.rs",
     "atlas.rs",
     "still.rs",
     "frames.rs",

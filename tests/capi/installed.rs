@@ -1,6 +1,6 @@
 //! What the README says of pkg-config and CMake is so.
 
-use crate::library::{Linked, compile, pkg_config, prefix, run};
+use crate::library::{Language, Linked, compile_as, pkg_config, prefix, run};
 use crate::place::{readme_block, root};
 use std::fs;
 use std::process::Command;
@@ -54,8 +54,8 @@ fn cmake_builds_the_readmes_project() {
 /// The header alone, as the first thing that is included, in both languages.
 #[test]
 fn the_header_stands_alone() {
-    for (name, linked) in [("header.c", Linked::Shared), ("header.cpp", Linked::Static)] {
-        let said = run(&mut Command::new(compile(name, linked, &[])));
+    for (language, linked) in [(Language::C, Linked::Shared), (Language::Cpp, Linked::Static)] {
+        let said = run(&mut Command::new(compile_as(language, "header.c", linked, &[])));
         assert_eq!(said.trim(), env!("CARGO_PKG_VERSION"));
     }
 }

@@ -47,18 +47,32 @@ pub(crate) enum Linked {
     Static,
 }
 
-/// Compiles an engine of this folder; a warning is an error.
+/// What a source is written in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Language {
+    C,
+    Cpp,
+}
+
+/// Compiles an engine of this folder, in the language that its name tells; a warning is an error.
 pub(crate) fn compile(source: &str, linked: Linked, more: &[&str]) -> PathBuf {
+    let language = if source.ends_with(".cpp") { Language::Cpp } else { Language::C };
+    compile_as(language, source, linked, more)
+}
+
+/// As [`compile`], in this language.
+pub(crate) fn compile_as(language: Language, source: &str, linked: Linked, more: &[&str]) -> PathBuf {
     let source = root().join("tests/capi").join(source);
-    let is_cpp = source.extension().is_some_and(|extension| extension == "cpp");
-    let name = format!("{}-{linked:?}{}", source.file_name().unwrap().to_string_lossy(), more.join(""));
+    let is_cpp = language == Language::Cpp;
+    let name = format!("{}-{language:?}-{linked:?}{}", source.file_name().unwrap().to_string_lossy(), more.join(""));
     let program = prefix().join(name.replace('.', "-"));
     let host = format!("{}-unknown-{}-gnu", std::env::consts::ARCH, std::env::consts::OS);
     let mut build = cc::Build::new();
     build.cpp(is_cpp).cargo_metadata(false).target(&host).host(&host).opt_level(1).debug(true);
     let mut command = build.get_compiler().to_command();
     command.args(["-Wall", "-Wextra", "-Werror", if is_cpp { "-std=c++17" } else { "-std=c11" }]).args(more);
-    command.arg(&source).arg("-o").arg(&program).args(pkg_config(&["--cflags"]));
+    command.args(["-x", if is_cpp { "c++" } else { "c" }]).arg(&source).args(["-x", "none"]);
+    command.arg("-o").arg(&program).args(pkg_config(&["--cflags"]));
     match linked {
         Linked::Shared => {
             let folder = prefix().join("lib");

@@ -152,9 +152,20 @@ fn change(baker: &mut Baker, frame: u32) {
     baker.set_time(Duration::from_millis(16) * frame).unwrap();
 }
 
-pub(crate) fn still(engine: &Engine, scene: &Scene, seed: u64, samples: u32) -> LightMap {
+fn baker(engine: &Engine, scene: &Scene, seed: u64) -> Baker {
     let settings = BakeSettings { resolution: Resolution::Texels(64), seed, ..BakeSettings::default() };
-    let mut baker = Baker::new(engine.gpu(), scene, &settings).unwrap();
+    Baker::new(engine.gpu(), scene, &settings).unwrap()
+}
+
+/// What the baker does without, a line each.
+pub(crate) fn left_out(engine: &Engine, scene: &Scene, seed: u64) -> String {
+    let baker = baker(engine, scene, seed);
+    let left_out = baker.memory_estimate(scene).left_out(scene, baker.atlas());
+    left_out.into_iter().map(|(words, bytes)| format!("{words}: {bytes}\n")).collect()
+}
+
+pub(crate) fn still(engine: &Engine, scene: &Scene, seed: u64, samples: u32) -> LightMap {
+    let mut baker = baker(engine, scene, seed);
     let stop = Stop { samples: Some(samples), ..Stop::default() };
     baker.bake(&stop, &mut |_| ControlFlow::Continue(())).unwrap();
     baker.read_back().unwrap()

@@ -5,7 +5,7 @@ use crate::live::{AMPLE, Live};
 use crate::stage::{Chart, Facing, SIDE, Stage, level_square};
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 use lightoven::baker::{BakeSettings, Baker, Bounces, FrameId, FrameSettings, Mode, Stop};
-use lightoven::gpu::{BackendChoice, DeviceFeatures, RawDevice};
+use lightoven::gpu::{BackendChoice, DeviceFeatures, RawDevice, RawQueue};
 use lightoven::scene::{Light, LightKind, Mobility, Resolution, Scene, Sky, SkyMap};
 use std::ops::ControlFlow;
 use std::time::Duration;
@@ -87,7 +87,7 @@ fn settings_out_of_range_are_named() {
         assert_says(&message, &["frames in flight", &count.to_string(), "1 to 8"]);
     }
     assert_says(&refused(FrameSettings { quanta: Some(0), ..default }, Bounces::Auto), &["quanta", "0", "1 to 64"]);
-    assert_says(&refused(default, Bounces::Limit(2)), &["limited to 2", "Bounces::Auto"]);
+    assert_says(&refused(default, Bounces::Limit(2)), &["limited to 2", "within frames is no limit"]);
     engine.finish();
 }
 
@@ -97,7 +97,7 @@ fn a_device_of_our_own_has_no_frames() {
     let headless = lightoven::headless::Headless::new(&Default::default()).unwrap();
     let settings = BakeSettings { mode: Mode::Frames(FrameSettings::default()), ..BakeSettings::default() };
     let refused = message(Baker::new(headless.gpu(), &scene(), &settings));
-    assert_says(&refused, &["Mode::Frames", "Gpu::from_raw"]);
+    assert_says(&refused, &["within frames", "an engine's device", "lightoven's own"]);
 }
 
 /// A baker does what it was made for.
@@ -105,13 +105,16 @@ fn a_device_of_our_own_has_no_frames() {
 fn the_other_mode_is_refused() {
     let Some(mut live) = Live::new(BackendChoice::Software, &scene(), FrameSettings::default()) else { return };
     let stop = Stop { samples: Some(64), ..Stop::default() };
-    assert_says(&message(live.baker.bake(&stop, &mut |_| ControlFlow::Continue(()))), &["Mode::Frames"]);
+    assert_says(
+        &message(live.baker.bake(&stop, &mut |_| ControlFlow::Continue(()))),
+        &["within frames", "at a stretch"],
+    );
     live.warm_up();
     assert_says(&message(live.baker.submit(Duration::from_millis(1), &[], &[])), &["recorded or", "submitted"]);
     let settings = BakeSettings { resolution: Resolution::Texels(SIDE), ..BakeSettings::default() };
     let mut still = Baker::new(live.engine.gpu(), &scene(), &settings).unwrap();
-    assert_says(&message(still.set_emission(0, Vec3::ONE)), &["Mode::Still", "Mode::Frames"]);
-    assert_says(&message(still.complete(FrameId(1))), &["Mode::Still"]);
+    assert_says(&message(still.set_emission(0, Vec3::ONE)), &["at a stretch", "within frames"]);
+    assert_says(&message(still.complete(FrameId(1))), &["at a stretch"]);
     drop(still);
     live.finish();
 }
@@ -141,6 +144,16 @@ fn what_a_device_lacks_is_named() {
     assert_says(&without(DeviceFeatures::TIMELINE_SEMAPHORE), &["created without the feature timelineSemaphore"]);
     assert_says(&without(DeviceFeatures::DYNAMIC_RENDERING), &["dynamicRendering", "'software'"]);
     assert_says(&without(DeviceFeatures::MAINTENANCE4), &["maintenance4"]);
+    let other_family = |family| {
+        let raw = engine.raw(BackendChoice::Software);
+        engine.refused(RawDevice { queue: RawQueue { family, ..raw.queue }, ..raw })
+    };
+    assert_says(&other_family(99), &["the family of the queue is 99", "graphics and compute: 0"]);
+    assert_says(&other_family(u32::MAX), &["4294967295"]);
+    let raw = engine.raw(BackendChoice::Software);
+    let compute_queue = Some(RawQueue { family: 99, ..raw.queue });
+    let refused = engine.refused(RawDevice { compute_queue, ..raw });
+    assert_says(&refused, &["the family of the queue for compute is 99", "with compute: 0"]);
     engine.finish();
     let Some(engine) = Engine::new(BackendChoice::RayQuery) else { return };
     let raw = engine.raw(BackendChoice::RayQuery);

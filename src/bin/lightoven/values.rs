@@ -82,8 +82,8 @@ pub(crate) fn bounces(text: &str) -> Result<Bounces, String> {
     match text {
         "auto" => Ok(Bounces::Auto),
         _ => match text.parse() {
-            Ok(count) if count <= 1000 => Ok(Bounces::Limit(count)),
-            _ => Err("allowed is auto or a whole number from 0 to 1000".into()),
+            Ok(count) if count <= Bounces::MAX_LIMIT => Ok(Bounces::Limit(count)),
+            _ => Err(format!("allowed is auto or a whole number from 0 to {}", Bounces::MAX_LIMIT)),
         },
     }
 }
@@ -211,6 +211,7 @@ mod tests {
     fn numbers_have_ranges() {
         assert_eq!((samples("1"), resolution("16384"), error("1")), (Ok(1), Ok(16384), Ok(1.0)));
         assert!(matches!(bounces("0"), Ok(Bounces::Limit(0))) && matches!(bounces("auto"), Ok(Bounces::Auto)));
+        assert!(matches!(bounces("16384"), Ok(Bounces::Limit(Bounces::MAX_LIMIT))));
         assert_eq!(sampling("mixture=0.25"), Ok(Sampling::Mixture { cosine: 0.25 }));
         for name in ["auto", "cosine", "importance", "mixture=0.25", "auto:power", "mixture=0.5:distance"] {
             assert_eq!(way(name).map(Way::name), Ok(name.to_owned()));
@@ -228,6 +229,6 @@ mod tests {
         assert!(["0", "16385", "100000", "x"].iter().all(|bad| resolution(bad).is_err()));
         assert!(["0", "-1", "nan", "inf", "1.1"].iter().all(|bad| error(bad).is_err()));
         assert!(["0", "-1", "nan", "inf"].iter().all(|bad| scale(bad).is_err() && texels_per_unit(bad).is_err()));
-        assert!(["-1", "1001", "none"].iter().all(|bad| bounces(bad).is_err()));
+        assert!(["-1", "16385", "4000000000", "none"].iter().all(|bad| bounces(bad).is_err()));
     }
 }

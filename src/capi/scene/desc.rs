@@ -138,7 +138,7 @@ pub struct LightovenMaterial {
     pub albedo_texture: *const LightovenTextureUse,
     /// Multiplied with `emission`. NULL: none.
     pub emission_texture: *const LightovenTextureUse,
-    /// Diffuse albedo, at least 0; over 0.999 it is clamped with a warning.
+    /// Diffuse albedo, at least 0. Over 0.999, or no number, it is clamped with a warning; before a texture up to 1 without one.
     pub albedo: [f32; 3],
     /// Emitted radiance, at least 0.
     pub emission: [f32; 3],

@@ -1,8 +1,8 @@
 //! The handle of a scene, and what it tells.
 
-use crate::capi::arguments::{choose, give_text, structures, write};
+use crate::capi::arguments::{choose, give_text, one_of, structures, write};
 use crate::capi::handles::Registry;
-use crate::capi::status::{Failure, LightovenStatus, Outcome, guard};
+use crate::capi::status::{LightovenStatus, Outcome, guard};
 use crate::scene::Scene;
 use std::ffi::c_char;
 use std::sync::Arc;
@@ -109,27 +109,11 @@ pub unsafe extern "C" fn lightoven_scene_text(
 ) -> LightovenStatus {
     guard(|| {
         let scene = scene_of(scene)?;
-        let index = index as usize;
-        let (kind, count, text) = match choose(kind, "the kind of text", &KINDS)? {
-            LightovenSceneText::Instance => {
-                let all = scene.instances();
-                ("instance", all.len(), all.get(index).map(|instance| instance.name.as_str()))
-            }
-            LightovenSceneText::Material => {
-                let all = scene.materials();
-                ("material", all.len(), all.get(index).map(|material| material.name.as_str()))
-            }
-            LightovenSceneText::Light => {
-                let all = scene.lights();
-                ("light", all.len(), all.get(index).map(|light| light.name.as_str()))
-            }
-            LightovenSceneText::Warning => {
-                let all = scene.warnings();
-                ("warning", all.len(), all.get(index).map(String::as_str))
-            }
-        };
-        let Some(text) = text else {
-            return Err(Failure::argument(format!("there is no {kind} {index}: the scene has {count}")));
+        let text = match choose(kind, "the kind of text", &KINDS)? {
+            LightovenSceneText::Instance => &one_of(scene.instances(), index, "instance", "scene")?.name,
+            LightovenSceneText::Material => &one_of(scene.materials(), index, "material", "scene")?.name,
+            LightovenSceneText::Light => &one_of(scene.lights(), index, "light", "scene")?.name,
+            LightovenSceneText::Warning => one_of(scene.warnings(), index, "warning", "scene")?,
         };
         // SAFETY: the caller's word, passed on.
         unsafe { give_text(text, buffer, capacity, length) }

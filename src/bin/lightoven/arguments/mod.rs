@@ -67,7 +67,7 @@ pub(crate) struct Bake {
     /// Stop at this estimated relative error, over 0 and up to 1
     #[arg(long, value_name = "E", value_parser = values::error, allow_hyphen_values = true)]
     error: Option<f32>,
-    /// How often light is reflected between surfaces: auto, or 0 to 1000
+    /// How often light is reflected between surfaces: auto, or 0 to 16384
     #[arg(long, value_name = "auto|N", default_value = "auto", value_parser = values::bounces, allow_negative_numbers = true)]
     pub(crate) bounces: Bounces,
     /// Which way rays are sent: auto, cosine, importance, or mixture=A with the cosine's share A, 0.1 to 1
@@ -170,7 +170,7 @@ pub(crate) struct Variance {
     /// Samples a texel of the reference
     #[arg(long, value_name = "M", default_value_t = 16384, value_parser = values::samples, allow_negative_numbers = true)]
     pub(crate) reference_samples: u32,
-    /// How often light is reflected between surfaces: auto, or 0 to 1000
+    /// How often light is reflected between surfaces: auto, or 0 to 16384
     #[arg(long, value_name = "auto|N", default_value = "auto", value_parser = values::bounces, allow_negative_numbers = true)]
     pub(crate) bounces: Bounces,
     #[command(flatten)]
@@ -213,7 +213,7 @@ pub(crate) struct Converge {
     /// Bakes for each of them, with seeds 1 to K
     #[arg(long, value_name = "K", default_value_t = 4, value_parser = values::seeds, allow_negative_numbers = true)]
     pub(crate) seeds: u32,
-    /// How often light is reflected between surfaces: auto, or 0 to 1000
+    /// How often light is reflected between surfaces: auto, or 0 to 16384
     #[arg(long, value_name = "auto|N", default_value = "auto", value_parser = values::bounces, allow_negative_numbers = true)]
     pub(crate) bounces: Bounces,
     /// Which ways rays are traced
