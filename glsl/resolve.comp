@@ -29,10 +29,10 @@ void main() {
     if (texel_of_invocation(texel)) {
         vec3 irradiance = shown_irradiance(ivec2(texel));
         float luminance = dot(irradiance, LUMINANCE);
-        vec4 even = imageLoad(mean_even, ivec2(texel));
+        vec4 even = GATHERING ? imageLoad(mean_even, ivec2(texel)) : vec4(0.0);
         vec4 odd = DYNAMIC || HALVES ? imageLoad(mean_odd, ivec2(texel)) : vec4(0.0);
         // A texel that an interrupted bake has not reached is filled like a gutter.
-        float lit = DYNAMIC || even.w + odd.w > 0.0 ? 1.0 : 0.0;
+        float lit = DYNAMIC || !GATHERING || even.w + odd.w > 0.0 ? 1.0 : 0.0;
         imageStore(light_map, ivec2(texel), vec4(irradiance, lit));
         float error = relative_error(even, odd, luminance);
         mine = field_of_invocation() == 0u ? vec4(luminance, error, 0.0, 1.0) : vec4(luminance, 0.0, error, 1.0);

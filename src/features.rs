@@ -34,6 +34,8 @@ bitflags::bitflags! {
         const LINKS = 1 << 12;
         /// Samples are kept in two halves, which tell the error.
         const HALVES = 1 << 13;
+        /// There is light that rays can find: what shines beside analytic lights, or what these shine at and that reflects.
+        const GATHERING = 1 << 14;
     }
 }
 
@@ -44,7 +46,8 @@ impl Features {
         features.set(Self::SKY_MAP, matches!(scene.sky(), Sky::Map(_)));
         features.set(Self::LIGHTS, !scene.lights().is_empty());
         // A material that is dark now may shine later.
-        features.set(Self::EMISSION_TEXTURES, baked_materials(scene).any(|material| material.emission_texture.is_some()));
+        features
+            .set(Self::EMISSION_TEXTURES, baked_materials(scene).any(|material| material.emission_texture.is_some()));
         let moves = scene.instances().iter().any(|instance| instance.mobility == Mobility::Movable);
         features.set(Self::INSTANCES, features.contains(Self::INSTANCES) || moves);
         features
@@ -66,7 +69,15 @@ impl Features {
         features
     }
 
-    /// What the scene does without, in words; a part of it may do without two.
+    /// Those that rays need, and nothing else.
+    pub(crate) const OF_RAYS: Self = Self::IMPORTANCE
+        .union(Self::SHARED_TEXELS)
+        .union(Self::CLUSTERS)
+        .union(Self::VISIBILITY)
+        .union(Self::LINKS)
+        .union(Self::HALVES);
+
+    /// What the scene does without, in words.
     pub fn left_out(self) -> Vec<(Self, &'static str)> {
         let words = [
             (Self::INSTANCES, "one instance: no top level of the hierarchy"),
@@ -76,6 +87,7 @@ impl Features {
             (Self::LIGHTS, "no analytic lights: no direct pass and no map for it"),
             (Self::ALBEDO_TEXTURES, "no textures of albedo: no map of it"),
             (Self::EMISSION_TEXTURES, "no textures of emission: no map of it"),
+            (Self::GATHERING, "no light that rays could find: none sent, and no maps for them"),
             (Self::IMPORTANCE, "rays by the cosine alone: none aimed, no lines of sight"),
             (Self::CLUSTERS, "no rays aimed by distance: no clusters of what shines"),
             (Self::VISIBILITY, "none by what has been seen: no rays counted"),
@@ -83,7 +95,9 @@ impl Features {
             (Self::HALVES, "no error asked for: no halves of the samples"),
             (Self::DYNAMIC, "nothing changes: no running average, no second source map"),
         ];
-        words.into_iter().filter(|(bits, _)| !self.intersects(*bits)).collect()
+        // Where no rays are sent nothing is left out of them.
+        let known = if self.contains(Self::GATHERING) { Self::all() } else { Self::all().difference(Self::OF_RAYS) };
+        words.into_iter().filter(|(bits, _)| known.contains(*bits) && !self.intersects(*bits)).collect()
     }
 }
 

@@ -14,6 +14,7 @@ vec3 with_direct(ivec2 texel, vec3 gathered) {
 // Irradiance that the surface reflects. In a dynamic scene it is not filtered: bounces through the running average would
 // take its latency each.
 vec3 reflected_irradiance(ivec2 texel) {
+    if (!GATHERING) return with_direct(texel, vec3(0.0));
     vec4 even = DYNAMIC ? vec4(0.0) : imageLoad(mean_even, texel);
     if (!DYNAMIC && !HALVES) return with_direct(texel, even.w > 0.0 ? even.rgb : vec3(0.0));
     vec4 odd = imageLoad(mean_odd, texel);

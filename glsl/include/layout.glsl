@@ -117,6 +117,7 @@ const bool CLUSTERS = (FEATURES & 1024u) != 0u;       // rays are aimed by dista
 const bool VISIBILITY = (FEATURES & 2048u) != 0u;     // and by what has been seen
 const bool LINKS = (FEATURES & 4096u) != 0u;          // light goes again along rays that are kept
 const bool HALVES = (FEATURES & 8192u) != 0u;         // samples are kept in two halves, which tell the error
+const bool GATHERING = (FEATURES & 16384u) != 0u;     // there is light that rays can find
 
 layout(push_constant, std430) uniform Push {
     uvec2 map_size;       // texels

@@ -25,11 +25,7 @@ pub(super) fn is_dark(scene: &Scene, atlas: &Atlas, settings: &BakeSettings) -> 
 }
 
 fn shines(scene: &Scene) -> bool {
-    let emits = |material: &u32| scene.materials()[*material as usize].is_emissive();
-    let mut meshes = scene.instances().iter().map(|instance| &scene.meshes()[instance.mesh]);
-    scene.sky().shines()
-        || scene.lights().iter().any(|light| light.intensity.max_element() > 0.0)
-        || meshes.any(|mesh| mesh.materials().iter().any(emits))
+    scene.sky().shines() || scene.lights().iter().any(|light| light.intensity.max_element() > 0.0) || scene.emits()
 }
 
 pub(super) fn nothing_to_bake(scene: &Scene) -> String {

@@ -46,7 +46,9 @@ impl GatherBench {
     /// As [`super::Baker::new`].
     pub fn new(gpu: &Gpu, scene: &Scene, bvh: &Bvh, resolution: Resolution) -> Result<Self> {
         let (sampling, bounces) = (Sampling::Cosine, Bounces::Limit(0));
-        let settings = BakeSettings { resolution, sampling, bounces, ..BakeSettings::default() };
+        // Rays are sent, whether there is light for them or not.
+        let unneeded = Features::GATHERING;
+        let settings = BakeSettings { resolution, sampling, bounces, unneeded, ..BakeSettings::default() };
         let atlas = Atlas::new(scene, resolution)?;
         let (features, mut bvh) = (Features::required(scene, &settings), bvh.clone());
         let core = Core::new(gpu, scene, &settings, &mut bvh, atlas, features, Statistics::default(), None)?;

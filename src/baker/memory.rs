@@ -31,7 +31,7 @@ impl MemoryEstimate {
     /// What leaving things out saves, in words and bytes; 0 where it saves time alone.
     pub fn left_out(&self, scene: &Scene, atlas: &Atlas) -> Vec<(&'static str, u64)> {
         if self.is_dark {
-            let lit = Self::of(scene, atlas, Features::of(scene));
+            let lit = Self::of(scene, atlas, Features::of(scene) | Features::GATHERING);
             return vec![(
                 "nothing shines, or nothing is lit: no pipeline and no ray",
                 lit.most().saturating_sub(self.most()),
@@ -74,7 +74,7 @@ impl MemoryEstimate {
         if let Some(rays) = linked_rays {
             parts.push(("links", Links::bytes(baked, rays)));
         }
-        if !is_dynamic {
+        if features.contains(Features::GATHERING) && !is_dynamic {
             parts.push(("activity", groups * 4));
         }
         parts.extend(DeviceScene::bytes(scene, features));

@@ -6,8 +6,11 @@ use crate::features::Features;
 use crate::scene::Scene;
 
 /// What is built on something else, from the top.
-const STANDS_ON: [(Features, Features); 2] =
-    [(Features::VISIBILITY, Features::CLUSTERS), (Features::CLUSTERS, Features::IMPORTANCE)];
+const STANDS_ON: [(Features, Features); 3] = [
+    (Features::VISIBILITY, Features::CLUSTERS),
+    (Features::CLUSTERS, Features::IMPORTANCE),
+    (Features::OF_RAYS, Features::GATHERING),
+];
 
 impl Features {
     /// Those that may be switched on without being needed.
@@ -23,7 +26,8 @@ impl Features {
         .union(Self::CLUSTERS)
         .union(Self::VISIBILITY)
         .union(Self::LINKS)
-        .union(Self::HALVES);
+        .union(Self::HALVES)
+        .union(Self::GATHERING);
 
     /// What a bake of `scene` with these settings needs, and what they switch on beside it. [`Features::SHARED_TEXELS`] is
     /// found out when texels are looked at, and [`Features::LINKS`] given up where there is no room.
@@ -43,6 +47,11 @@ impl Features {
         let reflects = scene.materials().iter().any(|material| material.albedo.max_element() > 0.0);
         features.set(Self::LINKS, is_still && reflects && bounces > 1);
         features.set(Self::HALVES, is_still && settings.error != ErrorEstimate::None);
+        if is_still && !finds_light(scene, features, reflects && bounces > 0) {
+            features.remove(Self::OF_RAYS);
+        } else {
+            features |= Self::GATHERING;
+        }
         (features | settings.unneeded).with_what_they_stand_on()
     }
 
@@ -52,6 +61,11 @@ impl Features {
         }
         self
     }
+}
+
+/// Whether any ray can bring light in a scene that stays as it is. `reflects`: light from analytic lights too.
+fn finds_light(scene: &Scene, features: Features, reflects: bool) -> bool {
+    scene.emits() || scene.sky().shines() || reflects && features.contains(Features::LIGHTS)
 }
 
 /// What is switched on beside what is needed.
@@ -70,11 +84,22 @@ pub(super) fn check_unneeded(settings: &BakeSettings) -> Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Material, SceneDesc};
+    use crate::scene::{Light, LightKind, Material, SceneDesc, Sky};
+    use glam::{DVec3, Vec3};
 
+    /// Under a sky.
     fn scene(albedo: f32) -> Scene {
-        let material = Material { albedo: glam::Vec3::splat(albedo), ..Material::default() };
-        Scene::new(SceneDesc { materials: vec![material], ..SceneDesc::default() }).expect("is valid")
+        let material = Material { albedo: Vec3::splat(albedo), ..Material::default() };
+        let sky = Sky::Constant(Vec3::ONE);
+        Scene::new(SceneDesc { materials: vec![material], sky, ..SceneDesc::default() }).expect("is valid")
+    }
+
+    /// With a point light, and nothing else that shines.
+    fn lit_by_a_point(albedo: f32) -> Scene {
+        let material = Material { albedo: Vec3::splat(albedo), ..Material::default() };
+        let kind = LightKind::Point { position: DVec3::ZERO, range: None };
+        let lights = vec![Light { name: "lamp".into(), intensity: Vec3::ONE, kind }];
+        Scene::new(SceneDesc { materials: vec![material], lights, ..SceneDesc::default() }).expect("is valid")
     }
 
     fn needs(settings: BakeSettings) -> Features {
@@ -96,6 +121,22 @@ mod tests {
         let once = BakeSettings { bounces: Bounces::Limit(1), ..cosine.clone() };
         assert!(!needs(once).contains(Features::LINKS) && needs(cosine.clone()).contains(Features::LINKS));
         assert!(!Features::required(&scene(0.0), &cosine).contains(Features::LINKS));
+    }
+
+    #[test]
+    fn rays_are_needed_where_they_can_find_light() {
+        let needs = |scene: &Scene, bounces| Features::required(scene, &BakeSettings { bounces, ..Default::default() });
+        let of_rays = Features::OF_RAYS | Features::GATHERING;
+        assert!(needs(&scene(0.0), Bounces::Limit(0)).contains(Features::GATHERING | Features::IMPORTANCE));
+        assert!(needs(&lit_by_a_point(0.5), Bounces::Limit(1)).contains(Features::GATHERING));
+        for (albedo, bounces) in [(0.5, Bounces::Limit(0)), (0.0, Bounces::Auto)] {
+            let features = needs(&lit_by_a_point(albedo), bounces);
+            assert!(!features.intersects(of_rays) && features.contains(Features::LIGHTS), "{features:?}");
+            let words: Vec<_> = features.left_out().into_iter().map(|(bits, _)| bits).collect();
+            assert!(words.contains(&Features::GATHERING) && !words.contains(&Features::LINKS), "{words:?}");
+        }
+        let halves = BakeSettings { bounces: Bounces::Limit(0), unneeded: Features::HALVES, ..Default::default() };
+        assert!(Features::required(&lit_by_a_point(0.5), &halves).contains(Features::GATHERING));
     }
 
     #[test]

@@ -131,7 +131,7 @@ pub struct Statistics {
     /// Texels that take rays.
     pub texels: u64,
     /// World area of the texels that take rays, square scene units. Each counts whole, also where its surface ends within
-    /// it; 0 until a bake has begun.
+    /// it; 0 until a bake has begun, and where no rays are sent.
     pub area: f64,
     /// Texels on a surface that are inside something and are filled from their neighbours.
     pub invalid_texels: u64,

@@ -188,7 +188,7 @@ impl Core {
         if let Some(rays) = linked_rays {
             maps.links = Links::new(gpu, texels.count, rays)?;
         }
-        if !features.contains(Features::DYNAMIC) {
+        if features.contains(Features::GATHERING) && !features.contains(Features::DYNAMIC) {
             maps.activity = activity(&mut commands, texels.fields.len())?;
         }
         let constants = Constants::new(features, bvh);

@@ -75,7 +75,7 @@ fn plans(size: [u32; 2], sky: [u32; 2], features: Features) -> [Plan; 14] {
         ("emission map", RADIANCE, size, any(Features::EMISSION_TEXTURES)),
         ("footprint map", vk::Format::R32_UINT, size, 1),
         ("direct map", RADIANCE, size, any(Features::LIGHTS)),
-        (if dynamic { "running average" } else { "mean of even quanta" }, RADIANCE, size, 1),
+        (if dynamic { "running average" } else { "mean of even quanta" }, RADIANCE, size, any(Features::GATHERING)),
         (
             if dynamic { "last visit" } else { "mean of odd quanta" },
             RADIANCE,
@@ -83,7 +83,7 @@ fn plans(size: [u32; 2], sky: [u32; 2], features: Features) -> [Plan; 14] {
             // That of bounces holds what comes from elsewhere than their links.
             any(Features::DYNAMIC | Features::HALVES | Features::LINKS),
         ),
-        ("source map", RADIANCE, size, several(2)),
+        ("source map", RADIANCE, size, any(Features::GATHERING) * several(2)),
         ("importance pyramid", RADIANCE, pyramid, by_power),
         ("sky importance pyramid", RADIANCE, sky, sky_importance),
         ("aimed luminance", vk::Format::R32_SFLOAT, size, importance),
@@ -121,10 +121,6 @@ impl Maps {
             Some(kept) => Ok(kept.clone()),
             None => (0..plans[index].3).map(|_| image(index, usage).map(Arc::new)).collect::<Result<Vec<_>>>(),
         };
-        let one = |index: usize, kept: Option<&Arc<Image>>| match kept {
-            Some(kept) => Ok(kept.clone()),
-            None => image(index, usage).map(Arc::new),
-        };
         let optional = |index: usize, usage| match plans[index] {
             (_, format, _, 0) => Ok(nothing.image(format)),
             _ => image(index, usage).map(Arc::new),
@@ -136,7 +132,7 @@ impl Maps {
             emission: optional(2, attachment)?,
             footprint: image(3, usage)?,
             direct: lit_directly.map_or_else(|| optional(4, usage), |(kept, _)| Ok(kept.direct.clone()))?,
-            mean_even: one(5, kept.map(|kept| &kept.mean_even))?,
+            mean_even: kept.map_or_else(|| optional(5, usage), |kept| Ok(kept.mean_even.clone()))?,
             mean_odd: kept.map_or_else(|| optional(6, usage), |kept| Ok(kept.mean_odd.clone()))?,
             source: several(7, kept.map(|kept| &kept.source))?,
             importance: optional(8, usage)?,

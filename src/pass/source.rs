@@ -57,6 +57,9 @@ impl Source {
 }
 
 impl SourceSums {
+    /// Of no texels.
+    pub(crate) const NOTHING: Self = Self { mean_radiance: 0.0, area: 0.0, max_albedo: 0.0, invalid: 0 };
+
     /// After the pass has run.
     pub(crate) fn read(texels: &TexelList) -> Self {
         let mut total = [0.0; 4];

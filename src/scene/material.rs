@@ -72,6 +72,14 @@ impl Material {
         self.emission.max_element() > 0.0
     }
 
+    /// Through a texture that is black all over nothing shines: exporters write such, with a factor of 1.
+    pub(super) fn heed_black_texture(&mut self, textures: &[Texture]) {
+        let is_black = |usage: TextureUse| textures[usage.texture].pixels.iter().all(|[r, g, b, _]| r | g | b == 0);
+        if self.is_emissive() && self.emission_texture.is_some_and(is_black) {
+            self.emission = Vec3::ZERO;
+        }
+    }
+
     pub(super) fn check(&mut self, texture_count: usize, warnings: &mut Vec<String>) -> Result<()> {
         let name = &self.name;
         check_light_quantity(|| format!("the emission of material '{name}'"), self.emission)?;

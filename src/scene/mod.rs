@@ -60,7 +60,7 @@ impl Scene {
     /// Checks a description and takes it over.
     ///
     /// Degenerate triangles are dropped, singular instances left out and albedo clamped to [`MAX_ALBEDO`];
-    /// each is said in [`Scene::warnings`].
+    /// each is said in [`Scene::warnings`]. An emission whose texture is black all over counts as none.
     ///
     /// # Errors
     /// `InvalidScene`, naming the mesh, material, instance or light, the value and what is allowed: an index out of
@@ -71,6 +71,7 @@ impl Scene {
         let mut warnings = Vec::new();
         textures.iter().try_for_each(Texture::check)?;
         materials.iter_mut().try_for_each(|material| material.check(textures.len(), &mut warnings))?;
+        materials.iter_mut().for_each(|material| material.heed_black_texture(&textures));
         lights.iter_mut().try_for_each(Light::check)?;
         sky.check()?;
         let meshes: Vec<Mesh> =
@@ -120,6 +121,12 @@ impl Scene {
     /// The sky.
     pub fn sky(&self) -> &Sky {
         &self.sky
+    }
+
+    /// Whether any surface emits.
+    pub(crate) fn emits(&self) -> bool {
+        let emits = |material: &u32| self.materials[*material as usize].is_emissive();
+        self.instances.iter().any(|instance| self.meshes[instance.mesh].materials().iter().any(emits))
     }
 
     /// Replaces the sky: file formats for scenes rarely carry one.

@@ -161,3 +161,15 @@ fn a_bad_sky_is_rejected_and_the_old_one_stays() {
     assert!(error.contains("the sky's radiance"), "{error}");
     assert_eq!(*scene.sky(), Sky::Constant(Vec3::ONE));
 }
+
+#[test]
+fn nothing_shines_through_a_black_texture() {
+    let texture = |value| Texture { name: "t".into(), width: 2, height: 1, pixels: vec![[0, 0, 0, 255], value] };
+    let shines = |value| {
+        let emission_texture = Some(TextureUse { texture: 0, wrap: [Wrap::Repeat; 2] });
+        let material = Material { emission: Vec3::ONE, emission_texture, ..Material::default() };
+        let desc = SceneDesc { materials: vec![material], textures: vec![texture(value)], ..SceneDesc::default() };
+        Scene::new(desc).expect("is valid").materials()[0].is_emissive()
+    };
+    assert!(!shines([0, 0, 0, 255]) && shines([0, 0, 1, 0]));
+}

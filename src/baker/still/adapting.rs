@@ -3,6 +3,7 @@
 use crate::adaptive::{Field, allocate};
 use crate::baker::{Core, ErrorEstimate};
 use crate::error::Result;
+use crate::features::Features;
 use crate::pass::ResolveSums;
 use crate::schedule::{GROUP, Unit};
 
@@ -21,7 +22,7 @@ const PILOT_QUANTA: u32 = 4;
 
 impl Adapting {
     pub(super) fn new(core: &mut Core) -> Result<Option<Self>> {
-        if core.settings.error != ErrorEstimate::Adaptive {
+        if core.settings.error != ErrorEstimate::Adaptive || !core.features.contains(Features::GATHERING) {
             return Ok(None);
         }
         let texels = core.texels.fields.clone();

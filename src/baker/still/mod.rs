@@ -2,18 +2,18 @@
 
 mod adapting;
 mod passes;
+mod showing;
 
 use super::aiming::{Aiming, Occasion};
 use super::progress::{Clock, Outcome, Progress, Stop, Stretch};
-use super::{BakeSettings, Core, LightMap};
+use super::{BakeSettings, Core, ErrorEstimate};
 use crate::epochs::{Bounces, Epoch, Epochs, Stage};
 use crate::error::Result;
-use crate::features::Features;
 use crate::gpu::layout::Push;
-use crate::pass::{ResolveSums, SourceSums};
+use crate::pass::SourceSums;
 use crate::schedule::{Pace, Sweep, Unit};
 use adapting::Adapting;
-use passes::Passes;
+use passes::{Gathering, Passes};
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
@@ -76,7 +76,7 @@ impl Still {
         stretch: Stretch,
         progress: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
     ) -> Result<Outcome> {
-        stop.check_for(core.features.contains(Features::HALVES))?;
+        stop.check_for(core.settings.error != ErrorEstimate::None)?;
         let before = if stretch == Stretch::Part { self.baked } else { Duration::ZERO };
         let clock = Clock::starting_at(before);
         let mut state = match self.state.take() {
@@ -115,12 +115,14 @@ impl Still {
     /// The first source map, which emits and does not reflect, and light from analytic lights.
     fn start(&mut self, core: &mut Core) -> Result<State> {
         let started = Instant::now();
-        let (pass, push, texels) = (&self.passes.source, &core.push, &core.texels);
-        core.commands.run(|recorder| {
-            // Texels that take no rays emit all the same.
-            pass.record(recorder, push, 0, texels.rest());
-            Ok(())
-        })?;
+        if let Some(Gathering { source, .. }) = &self.passes.gathering {
+            let (push, texels) = (&core.push, &core.texels);
+            core.commands.run(|recorder| {
+                // Texels that take no rays emit all the same.
+                source.record(recorder, push, 0, texels.rest());
+                Ok(())
+            })?;
+        }
         let emitted = self.update_source(core)?;
         self.aiming.refresh(core, Occasion::NewSource)?;
         self.light_directly(core)?;
@@ -170,6 +172,11 @@ impl Still {
     ) -> Result<Outcome> {
         if state.covered && stop.reached(&core.statistics, clock.elapsed()) {
             return Ok(Outcome::Finished);
+        }
+        if self.passes.gathering.is_none() {
+            // All light has come from analytic lights, and is there already.
+            let report = core.statistics.progress(Epoch::Keep { quanta: 0 }, stop, clock.elapsed());
+            return Ok(if progress(&report).is_break() { Outcome::Interrupted } else { Outcome::Finished });
         }
         // The first pass of few rays is gone through even then: there is no light map before it.
         let mut interrupted = false;
@@ -226,7 +233,7 @@ impl Still {
     fn rays(&self, core: &Core, epoch: Epoch) -> u32 {
         match epoch {
             Epoch::Keep { .. } => RAYS,
-            Epoch::Bounce(_) if self.passes.bounce.is_none() => BOUNCE_RAYS,
+            Epoch::Bounce(_) if self.passes.bounce().is_none() => BOUNCE_RAYS,
             Epoch::Bounce(Stage::Pilot) => core.maps.links.rays.min(BOUNCE_RAYS),
             Epoch::Bounce(Stage::Last) => core.maps.links.rays,
         }
@@ -241,7 +248,7 @@ impl Still {
             Epoch::Bounce(Stage::Last) => BOUNCE_SAMPLES + RAYS,
             Epoch::Keep { .. } => 0,
         };
-        let link_stride = if bounces && self.passes.bounce.is_some() { core.maps.links.stride() } else { 0 };
+        let link_stride = if bounces && self.passes.bounce().is_some() { core.maps.links.stride() } else { 0 };
         let push = Push { first_sample, link_stride, evidence_quantum: state.evidence_quantum, ..core.push };
         let refreshes = !bounces || self.traces(state);
         let push = self.aiming.push(push, rays, state.epoch, refreshes);
@@ -253,9 +260,9 @@ impl Still {
         }
         core.statistics.sampling.count(rays, [push.source_rays, push.sky_rays], quanta);
         let rays = quanta * u64::from(rays);
-        let pass = &self.passes.bake;
+        let Some(Gathering { bake, .. }) = &self.passes.gathering else { return Ok(()) };
         let took = core.commands.run(|recorder| {
-            pass.record(recorder, &push, 0, unit.texels, unit.quanta);
+            bake.record(recorder, &push, 0, unit.texels, unit.quanta);
             Ok(())
         })?;
         self.pace.measured(rays, took);
@@ -311,7 +318,7 @@ impl Still {
 
     /// A bounce whose rays have been traced before.
     fn go_along_links(&self, core: &mut Core, state: &State) -> Result<()> {
-        let Some(pass) = self.passes.bounce.as_ref().filter(|_| !self.traces(state)) else { return Ok(()) };
+        let Some(pass) = self.passes.bounce().filter(|_| !self.traces(state)) else { return Ok(()) };
         let (rays, link_stride) = (self.rays(core, state.epoch), core.maps.links.stride());
         let (push, count) = (Push { rays, link_stride, ..core.push }, core.texels.count);
         for first in (0..count).step_by(LINKED_AT_ONCE as usize) {
@@ -326,7 +333,7 @@ impl Still {
     fn begin_epoch(&self, core: &Core, state: &mut State) {
         state.epoch = state.epochs.next();
         let quanta = match state.epoch {
-            Epoch::Bounce(_) if self.passes.bounce.is_some() && !self.traces(state) => 0..0,
+            Epoch::Bounce(_) if self.passes.bounce().is_some() && !self.traces(state) => 0..0,
             Epoch::Bounce(_) => 0..1,
             Epoch::Keep { quanta } => state.kept..state.kept + quanta,
         };
@@ -337,9 +344,10 @@ impl Still {
     }
 
     fn update_source(&self, core: &mut Core) -> Result<SourceSums> {
-        let (pass, push, texels) = (&self.passes.source, &core.push, &core.texels);
+        let Some(Gathering { source, .. }) = &self.passes.gathering else { return Ok(SourceSums::NOTHING) };
+        let (push, texels) = (&core.push, &core.texels);
         core.commands.run(|recorder| {
-            pass.record(recorder, push, 0, 0..texels.count);
+            source.record(recorder, push, 0, 0..texels.count);
             Ok(())
         })?;
         let sums = SourceSums::read(texels);
@@ -348,52 +356,5 @@ impl Still {
             core.statistics.warn(format!("{} texels have a radiance that is not finite; it counts as 0", sums.invalid));
         }
         Ok(sums)
-    }
-
-    /// The light map as far as it is, and its estimated error.
-    fn resolve(&self, core: &mut Core, state: &State, mean_luminance: f64) -> Result<ResolveSums> {
-        let started = Instant::now();
-        let mut sums = ResolveSums { mean: mean_luminance, ..ResolveSums::default() };
-        // The error is relative to the mean, which the first time is not known yet.
-        let times = if mean_luminance == 0.0 { 2 } else { 1 };
-        for _ in 0..times {
-            let push = Push { mean_luminance: sums.mean as f32, ..core.push };
-            let (pass, texels) = (&self.passes.resolve, &core.texels);
-            core.commands.run(|recorder| {
-                pass.record(recorder, &push, 0..texels.count);
-                Ok(())
-            })?;
-            sums = ResolveSums::read(texels);
-        }
-        // Sums of light near the largest 32-bit number are infinite, and tell nothing.
-        let is_told = state.kept >= 2
-            && core.features.contains(Features::HALVES)
-            && sums.mean.is_finite()
-            && sums.relative_mse.is_finite();
-        core.statistics.estimated_error = is_told.then_some(sums.relative_mse.sqrt() as f32);
-        core.statistics.seconds.resolve += started.elapsed().as_secs_f64();
-        Ok(sums)
-    }
-
-    pub(super) fn read_back(&mut self, core: &mut Core) -> Result<LightMap> {
-        let maps = &core.maps;
-        core.commands.run(|recorder| {
-            // What an earlier call filled is no light of its own.
-            recorder.clear(&[&maps.light_map[0]]);
-            Ok(())
-        })?;
-        if let Some(state) = &self.state {
-            self.resolve(core, state, state.mean_luminance)?;
-        }
-        let started = Instant::now();
-        let (dilate, push) = (&self.passes.dilate, &core.push);
-        core.commands.run(|recorder| {
-            dilate.record(recorder, push);
-            Ok(())
-        })?;
-        let pixels = core.commands.read_image(&core.maps.light_map[0])?;
-        core.statistics.seconds.resolve += started.elapsed().as_secs_f64();
-        let [width, height] = core.maps.size;
-        Ok(LightMap { width, height, pixels })
     }
 }

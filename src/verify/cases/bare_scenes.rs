@@ -1,20 +1,22 @@
 //! Extreme case 17: scenes with next to nothing in them.
 
 use super::{Case, Checks};
-use crate::baker::{BakeSettings, Baker, Bounces, FrameSettings, Mode, Outcome, Sampling, Stop};
+use crate::baker::{BakeSettings, Baker, Bounces, ErrorEstimate, FrameSettings, Mode, Outcome, Sampling, Stop};
 use crate::error::{ErrorKind, Result};
+use crate::features::Features;
 use crate::gpu::Gpu;
-use crate::scene::{Resolution, Scene, SceneDesc, Sidedness};
+use crate::scene::{LightKind, Resolution, Scene, SceneDesc, Sidedness};
 use crate::verify::estimate::{How, bake};
 use crate::verify::stage::{Chart, Facing, SIDE, Stage, level_square};
-use glam::DAffine3;
+use glam::{DAffine3, DVec3};
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
 
-pub(super) const CASES: [Case; 3] = [
+pub(super) const CASES: [Case; 4] = [
     Case::extreme(17, "scene with nothing to bake", nothing),
     Case::extreme(17, "one triangle under the sky", one_triangle),
     Case::extreme(17, "one triangle without any light", no_light),
+    Case::extreme(17, "analytic light that nothing reflects", nothing_to_gather),
 ];
 
 /// One triangle of one instance, seen from both sides.
@@ -93,5 +95,55 @@ fn no_light(gpu: &Gpu, checks: &mut Checks) -> Result<()> {
     checks.count("features that it is built with", baker.features().bits().into(), 0);
     let pipelines = gpu.objects().pipelines;
     checks.count("pipelines", pipelines.values().map(|count| *count as u64).sum(), 0);
+    Ok(())
+}
+
+/// No ray is sent where none could find light, and its light map is that of a bake that sends them.
+fn nothing_to_gather(gpu: &Gpu, checks: &mut Checks) -> Result<()> {
+    for (what, albedo, bounces) in [
+        ("no bounces", 0.5, Bounces::Limit(0)),
+        ("black surfaces", 0.0, Bounces::Auto),
+        ("both", 0.0, Bounces::Limit(0)),
+    ] {
+        let mut stage = Stage::new();
+        stage.material(albedo, 0.0);
+        let floor = level_square(1.0, 0.0, Facing::Up, Chart::large(0).inset(0.01), 0);
+        let shade = level_square(0.2, 0.3, Facing::Up, Chart::new(0).inset(0.01), 0);
+        stage.place(&[floor, shade], DAffine3::IDENTITY);
+        stage.light(LightKind::Point { position: DVec3::new(0.0, 0.1, 1.0), range: None });
+        let scene = stage.build()?;
+        let bake = |settings: BakeSettings| {
+            let settings = BakeSettings { resolution: Resolution::Texels(SIDE), bounces, ..settings };
+            let mut baker = Baker::new(gpu, &scene, &settings)?;
+            let stop = Stop { samples: Some(64), ..Stop::default() };
+            let outcome = baker.bake(&stop, &mut |_| ControlFlow::Continue(()))?;
+            Ok((baker.read_back()?, outcome, baker))
+        };
+        let (map, outcome, mut baker) = bake(BakeSettings::default())?;
+        checks.holds(format!("{what}: the bake is done"), outcome == Outcome::Finished);
+        checks.count(format!("{what}: rays"), baker.statistics().rays, 0);
+        checks.count(format!("{what}: features"), (baker.features() - Features::SINGLE_SIDED).bits().into(), {
+            Features::LIGHTS.bits().into()
+        });
+        let gathers = ["bake.comp", "source.comp", "importance.comp"];
+        let pipelines = gpu.objects().pipelines;
+        let alive = gathers.iter().filter(|name| pipelines.contains_key(**name)).count();
+        checks.count(format!("{what}: pipelines that gather"), alive as u64, 0);
+        let by_error =
+            baker.bake(&Stop { error: Some(0.01), ..Stop::default() }, &mut |_| ControlFlow::Continue(()))?;
+        let is_exact = by_error == Outcome::Finished && baker.statistics().estimated_error == Some(0.0);
+        checks.holds(format!("{what}: its error is 0"), is_exact);
+        drop(baker);
+        let lit = map.pixels.iter().filter(|pixel| pixel[3] == 1.0 && pixel[0] > 0.0).count();
+        let dark = map.pixels.iter().filter(|pixel| pixel[3] == 1.0 && pixel[0] == 0.0).count();
+        checks.holds(format!("{what}: texels in light and in shade"), lit > 300 && dark > 20);
+        let unneeded = Features::GATHERING;
+        let sparing = BakeSettings { unneeded, error: ErrorEstimate::None, ..BakeSettings::default() };
+        let (other, _, baker) = bake(BakeSettings { sampling: Sampling::Cosine, ..sparing })?;
+        checks.holds(format!("{what}: with rays they are sent"), baker.statistics().rays > 0);
+        let bits = |map: &crate::baker::LightMap| map.pixels.iter().map(|p| p.map(f32::to_bits)).collect::<Vec<_>>();
+        let differ = bits(&map).iter().zip(bits(&other)).filter(|(one, other)| **one != *other).count();
+        checks.count(format!("{what}: pixels that differ from those of a bake with rays"), differ as u64, 0);
+    }
     Ok(())
 }
