@@ -211,13 +211,16 @@ impl Report {
             "samples  {:.1} a texel in {} epochs, estimated error {error}",
             self.samples_per_texel, self.epochs
         );
-        let _ = writeln!(
-            text,
-            "rays     {:.2} million, {:.2} Mrays/s, {}",
-            self.rays as f64 * 1e-6,
-            self.mrays_per_s,
-            self.sampling.summary()
-        );
+        let _ = match self.rays {
+            0 => writeln!(text, "rays     none: there is no light for them to find"),
+            rays => writeln!(
+                text,
+                "rays     {:.2} million, {:.2} Mrays/s, {}",
+                rays as f64 * 1e-6,
+                self.mrays_per_s,
+                self.sampling.summary()
+            ),
+        };
         let _ = writeln!(
             text,
             "seconds  {:.2} in all: load {:.2}, bvh {:.2}, g-buffer {:.2}, direct {:.2}, importance {:.2}, bake {:.2}, resolve {:.2}, \
