@@ -22,7 +22,7 @@ layout(set = 0, binding = 30, rgba32f) writeonly uniform image2D sky_evidence_im
 // What rays that were aimed at a cluster from a group of texels have found: as src/pass/clusters.rs has it.
 layout(set = 0, binding = 39, std430) buffer Sightings { uint sightings[]; };
 
-// `[work group of the whole list]`: a bit for each field, whether its texels take rays. Static.
+// `[work group of the whole list]`: a bit for each field, whether its texels take rays. A dynamic scene has none.
 layout(set = 0, binding = 42, std430) readonly buffer Activity { uint activity[]; };
 
 const uint TRIED = 1u;

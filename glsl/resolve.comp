@@ -32,7 +32,8 @@ void main() {
         vec4 even = GATHERING ? imageLoad(mean_even, ivec2(texel)) : vec4(0.0);
         vec4 odd = DYNAMIC || HALVES ? imageLoad(mean_odd, ivec2(texel)) : vec4(0.0);
         // A texel that an interrupted bake has not reached is filled like a gutter.
-        float lit = DYNAMIC || !GATHERING || even.w + odd.w > 0.0 ? 1.0 : 0.0;
+        bool is_lit = GATHERING ? even.w + odd.w > 0.0 : !LIGHTS || imageLoad(direct_image, ivec2(texel)).a > 0.0;
+        float lit = DYNAMIC || is_lit ? 1.0 : 0.0;
         imageStore(light_map, ivec2(texel), vec4(irradiance, lit));
         float error = relative_error(even, odd, luminance);
         mine = field_of_invocation() == 0u ? vec4(luminance, error, 0.0, 1.0) : vec4(luminance, 0.0, error, 1.0);

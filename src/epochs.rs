@@ -205,9 +205,7 @@ impl Epochs {
         }
         self.missing = if radiance > 0.0 { change.max(least) * ratio / (1.0 - ratio) / radiance } else { 0.0 };
         if !radiance.is_finite() {
-            let context =
-                "the scene's radiance is more than a 32-bit float holds: its lights or its extent are too large";
-            return Err(Error::new(ErrorKind::InvalidScene, context));
+            return Err(too_bright());
         }
         if self.growing() >= GROWING && radiance > self.lit * 1e6 {
             return Err(Error::new(
@@ -277,6 +275,12 @@ impl Epochs {
     pub(crate) fn missing(&self) -> f64 {
         if self.max_albedo == 0.0 { 0.0 } else { self.missing }
     }
+}
+
+/// What no 32-bit float holds.
+pub(crate) fn too_bright() -> Error {
+    let context = "the scene's radiance is more than a 32-bit float holds: its lights or its extent are too large";
+    Error::new(ErrorKind::InvalidScene, context)
 }
 
 #[cfg(test)]

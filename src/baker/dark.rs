@@ -1,7 +1,6 @@
 //! A bake of a scene in which nothing shines, or nothing receives light: its light map is black, and no ray is sent.
 
 use super::{BakeSettings, ErrorEstimate, LightMap, Mode, Outcome, Progress, Statistics, Stop};
-use crate::epochs::Epoch;
 use crate::error::Result;
 use crate::gpu::{Commands, Gpu, Image, ImageDesc};
 use crate::scene::{Atlas, Scene};
@@ -62,8 +61,9 @@ impl Dark {
     ) -> Result<Outcome> {
         stop.check_for(self.tells_error)?;
         self.statistics.estimated_error = Some(0.0).filter(|_| self.tells_error);
-        let report = self.statistics.progress(Epoch::Keep { quanta: 0 }, stop, Duration::ZERO);
-        Ok(if progress(&report).is_break() { Outcome::Interrupted } else { Outcome::Finished })
+        // Nothing is left that could be broken off.
+        let _ = progress(&self.statistics.progress_at_end(stop, Duration::ZERO));
+        Ok(Outcome::Finished)
     }
 
     pub(super) fn read_back(&self) -> LightMap {

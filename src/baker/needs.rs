@@ -6,9 +6,10 @@ use crate::features::Features;
 use crate::scene::Scene;
 
 /// What is built on something else, from the top.
-const STANDS_ON: [(Features, Features); 3] = [
+const STANDS_ON: [(Features, Features); 4] = [
     (Features::VISIBILITY, Features::CLUSTERS),
     (Features::CLUSTERS, Features::IMPORTANCE),
+    (Features::SHARED_TEXELS, Features::IMPORTANCE),
     (Features::OF_RAYS, Features::GATHERING),
 ];
 
@@ -44,13 +45,18 @@ impl Features {
             Bounces::Auto => u32::MAX,
             Bounces::Limit(limit) => limit,
         };
-        let reflects = scene.materials().iter().any(|material| material.albedo.max_element() > 0.0);
+        let reflects = bounces > 0 && scene.materials().iter().any(|material| material.albedo.max_element() > 0.0);
         features.set(Self::LINKS, is_still && reflects && bounces > 1);
         features.set(Self::HALVES, is_still && settings.error != ErrorEstimate::None);
-        if is_still && !finds_light(scene, features, reflects && bounces > 0) {
+        if is_still && !reflects {
+            features.remove(Self::ALBEDO_TEXTURES);
+        }
+        let gathers = !is_still
+            || finds_light(scene, features, reflects)
+            || settings.unneeded.intersects(Self::OF_RAYS | Self::GATHERING);
+        features.set(Self::GATHERING, gathers);
+        if !gathers {
             features.remove(Self::OF_RAYS);
-        } else {
-            features |= Self::GATHERING;
         }
         (features | settings.unneeded).with_what_they_stand_on()
     }
@@ -135,8 +141,11 @@ mod tests {
             let words: Vec<_> = features.left_out().into_iter().map(|(bits, _)| bits).collect();
             assert!(words.contains(&Features::GATHERING) && !words.contains(&Features::LINKS), "{words:?}");
         }
-        let halves = BakeSettings { bounces: Bounces::Limit(0), unneeded: Features::HALVES, ..Default::default() };
-        assert!(Features::required(&lit_by_a_point(0.5), &halves).contains(Features::GATHERING));
+        for unneeded in [Features::HALVES, Features::GATHERING] {
+            let all_the_same = BakeSettings { bounces: Bounces::Limit(0), unneeded, ..Default::default() };
+            let features = Features::required(&lit_by_a_point(0.5), &all_the_same);
+            assert!(features.contains(Features::GATHERING | Features::HALVES | Features::IMPORTANCE), "{features:?}");
+        }
     }
 
     #[test]

@@ -19,7 +19,7 @@ pub struct Stop {
 /// How a bake ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Outcome {
-    /// The stop was reached.
+    /// The stop was reached, or there is no ray to send: such a light map is whole at once, with 0 samples a texel.
     Finished,
     /// The progress callback broke it off.
     Interrupted,
@@ -89,7 +89,7 @@ pub struct Progress {
     pub mrays_per_s: f64,
     /// Time since the call, or that of all calls, as [`Stop::time`] counts.
     pub elapsed: Duration,
-    /// Root of relMSE as the half buffers tell it; `None` before there are two halves.
+    /// Root of relMSE as the half buffers tell it; `None` before there are two halves, 0 where no rays are sent.
     pub estimated_error: Option<f32>,
     /// How far it is on the way to the stop, 0 to 1.
     pub fraction: f32,
@@ -147,7 +147,7 @@ pub struct Statistics {
     pub mrays_per_s: f64,
     /// How rays were sent.
     pub sampling: SamplingStatistics,
-    /// Root of relMSE as the half buffers tell it; `None` before there are two halves.
+    /// Root of relMSE as the half buffers tell it; `None` before there are two halves, 0 where no rays are sent.
     pub estimated_error: Option<f32>,
     /// Bound on what further bounces would add, relative to the mean radiance; infinite before two bounces are done.
     pub bounces_missing: f32,
@@ -215,6 +215,12 @@ impl Statistics {
             tracing::warn!("{warning}");
             self.warnings.push(warning);
         }
+    }
+
+    /// Of a bake without rays, which is done at once.
+    pub(super) fn progress_at_end(&mut self, stop: &Stop, elapsed: Duration) -> Progress {
+        let progress = self.progress(Epoch::Keep { quanta: 0 }, stop, elapsed);
+        Progress { fraction: 1.0, time_left: Some(Duration::ZERO), ..progress }
     }
 
     pub(super) fn progress(&mut self, epoch: Epoch, stop: &Stop, elapsed: Duration) -> Progress {

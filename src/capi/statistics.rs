@@ -179,7 +179,7 @@ pub unsafe extern "C" fn lightoven_baker_warning(
     })
 }
 
-/// Gives what a baker does without, in words, such as "no sky": UTF-8, ended by a NUL, cut short where `capacity` is too small
+/// Gives what a baker does without, in words, such as "no analytic lights": UTF-8, ended by a NUL, cut short where `capacity` is too small
 /// for all of it. `index`: below `LightovenStatistics::left_out_count`. `bytes`: set to about what that saves of device memory, 0
 /// where it saves time alone, or NULL; the other parameters are those of `lightoven_scene_text`.
 ///

@@ -40,7 +40,8 @@ pub(crate) struct Maps {
     pub(crate) sources: Sources,
     /// Where rays of bounce epochs ended; none until somebody keeps them.
     pub(crate) links: Links,
-    /// `[group of the list of texels]`: which of its two fields take rays. None of a dynamic scene.
+    /// `[group of the list of texels]`: which of its two fields take rays. Nothing in a dynamic scene, and where no rays are
+    /// sent.
     pub(crate) activity: Arc<Buffer>,
     /// What rays tell of other ways to aim them; of light from the sky map.
     pub(crate) evidence: Arc<Image>,

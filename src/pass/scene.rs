@@ -65,7 +65,7 @@ impl DeviceScene {
         };
         let lights: Vec<layout::Light> =
             lights_that_matter(scene, features).map(|light| encode_light(light, bvh.centre)).collect();
-        let sky = if features.contains(Features::SKY_MAP) { scene.sky() } else { &Sky::Black };
+        let sky = features.contains(Features::SKY_MAP).then(|| scene.sky());
         Ok(Self {
             hierarchy,
             triangles,
@@ -228,12 +228,18 @@ fn upload_any<T: bytemuck::Pod>(
     upload(commands, name, vk::BufferUsageFlags::STORAGE_BUFFER, data).map(Arc::new)
 }
 
-fn upload_sky(commands: &mut Commands, sky: &Sky, nothing: &Nothing) -> Result<Arc<Image>> {
+/// `sky`: where a map of it is needed, or switched on.
+fn upload_sky(commands: &mut Commands, sky: Option<&Sky>, nothing: &Nothing) -> Result<Arc<Image>> {
     let (format, usage) = (vk::Format::R32G32B32A32_SFLOAT, vk::ImageUsageFlags::SAMPLED);
-    let Sky::Map(map) = sky else { return Ok(nothing.image(format)) };
-    let (size, pixels) = ([map.width, map.height], map.pixels.iter().map(|pixel| pixel.extend(1.0).to_array()));
+    let Some(sky) = sky else { return Ok(nothing.image(format)) };
+    let (size, pixels) = match sky {
+        Sky::Map(map) => ([map.width, map.height], map.pixels.as_slice()),
+        Sky::Constant(radiance) => ([1, 1], std::slice::from_ref(radiance)),
+        Sky::Black => ([1, 1], &[Vec3::ZERO][..]),
+    };
+    let pixels: Vec<[f32; 4]> = pixels.iter().map(|pixel| pixel.extend(1.0).to_array()).collect();
     let desc = ImageDesc { name: "sky map", size, format, usage, mip_levels: 1 };
-    commands.upload_image(desc, &pixels.collect::<Vec<_>>()).map(Arc::new)
+    commands.upload_image(desc, &pixels).map(Arc::new)
 }
 
 pub(crate) fn encode_light(light: &Light, centre: DVec3) -> layout::Light {

@@ -1,15 +1,15 @@
-//! The scene's textures on the device, of one kind, and the batches of triangles that share one of them.
+//! The scene's textures on the device, of one kind, and the batches of triangles that share a pair of them.
 
 use super::Maps;
 use crate::bvh::Bvh;
 use crate::error::Result;
-use crate::features::Features;
+use crate::features::{Features, baked_materials};
 use crate::gpu::{Buffer, BufferDesc, Commands, Gpu, Image, ImageDesc, Location, Sampler};
 use crate::scene::{Material, Mesh, Scene, TextureUse, Wrap};
 use ash::vk;
 use glam::Vec2;
-use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// What a texture is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -72,7 +72,7 @@ impl Textures {
             plain: Sampler::new(&gpu, [vk::SamplerAddressMode::REPEAT; 2])?,
             texcoords: upload_texcoords(commands, scene, bvh, kind)?,
         };
-        for usage in scene.materials().iter().filter_map(|material| kind.of(material)) {
+        for usage in baked_materials(scene).filter_map(|material| kind.of(material)) {
             if let Entry::Vacant(place) = textures.images.entry(usage.texture) {
                 let texture = &scene.textures()[usage.texture];
                 let desc = desc(&texture.name, [texture.width, texture.height]);
@@ -100,10 +100,10 @@ impl Textures {
 
     /// Bytes that those of a kind take on the device, about.
     pub(super) fn bytes(scene: &Scene, kind: TextureKind, triangles: u64) -> u64 {
-        let used = scene.textures().iter().enumerate().filter(|(index, _)| {
-            scene.materials().iter().any(|material| kind.of(material).is_some_and(|usage| usage.texture == *index))
-        });
-        let pixels: u64 = used.map(|(_, texture)| u64::from(texture.width) * u64::from(texture.height)).sum();
+        let used: BTreeSet<usize> =
+            baked_materials(scene).filter_map(|m| kind.of(m).map(|usage| usage.texture)).collect();
+        let textures = used.iter().map(|index| &scene.textures()[*index]);
+        let pixels: u64 = textures.map(|texture| u64::from(texture.width) * u64::from(texture.height)).sum();
         // With their mip levels.
         pixels * 4 * 4 / 3 + triangles * size_of::<[Vec2; 3]>() as u64
     }
@@ -150,9 +150,8 @@ pub(super) struct Batch {
 
 /// All batches, in the order in which they are drawn for every kind, and the primitives in them.
 pub(super) fn batches(scene: &Scene, bvh: &Bvh) -> (Vec<Batch>, Vec<u32>) {
-    let (mut batches, mut list) = (Vec::new(), Vec::new());
+    let (mut batches, mut list): (Vec<Batch>, Vec<u32>) = (Vec::new(), Vec::new());
     for (index, (mesh, range)) in scene.meshes().iter().zip(&bvh.meshes).enumerate() {
-        let mut by_pair: BTreeMap<_, (Pair, Vec<u32>)> = BTreeMap::new();
         // In the mesh's own order: where charts overlap the last triangle wins, as in other bakers.
         let mut slots: Vec<(usize, &u32)> = bvh.order[index].iter().enumerate().collect();
         slots.sort_by_key(|(_, triangle)| **triangle);
@@ -162,14 +161,12 @@ pub(super) fn batches(scene: &Scene, bvh: &Bvh) -> (Vec<Batch>, Vec<u32>) {
             }
             let material = &scene.materials()[mesh.materials()[*triangle as usize] as usize];
             let pair = [material.albedo_texture, material.emission_texture];
-            let key = pair.map(|usage| usage.map(|usage| (usage.texture, usage.wrap.map(|wrap| wrap as u8))));
-            let batch = by_pair.entry(key).or_insert_with(|| (pair, Vec::new()));
-            batch.1.push(range.first_primitive + slot as u32);
-        }
-        for (pair, primitives) in by_pair.into_values() {
-            let first = list.len() as u32;
-            list.extend(primitives);
-            batches.push(Batch { mesh: index, pair, triangles: first..list.len() as u32 });
+            let end = list.len() as u32;
+            list.push(range.first_primitive + slot as u32);
+            match batches.last_mut() {
+                Some(batch) if batch.mesh == index && batch.pair == pair => batch.triangles.end = end + 1,
+                _ => batches.push(Batch { mesh: index, pair, triangles: end..end + 1 }),
+            }
         }
     }
     (batches, list)

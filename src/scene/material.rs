@@ -72,10 +72,13 @@ impl Material {
         self.emission.max_element() > 0.0
     }
 
-    /// Through a texture that is black all over nothing shines: exporters write such, with a factor of 1.
-    pub(super) fn heed_black_texture(&mut self, textures: &[Texture]) {
-        let is_black = |usage: TextureUse| textures[usage.texture].pixels.iter().all(|[r, g, b, _]| r | g | b == 0);
-        if self.is_emissive() && self.emission_texture.is_some_and(is_black) {
+    /// Through a texture that is black all over nothing shines, and nothing is reflected: exporters write such, with a factor
+    /// of 1. `black`: which textures are.
+    pub(super) fn heed_black_textures(&mut self, black: &[bool]) {
+        if self.albedo_texture.is_some_and(|usage| black[usage.texture]) {
+            self.albedo = Vec3::ZERO;
+        }
+        if self.emission_texture.is_some_and(|usage| black[usage.texture]) {
             self.emission = Vec3::ZERO;
         }
     }
@@ -106,6 +109,10 @@ impl Material {
 }
 
 impl Texture {
+    pub(super) fn is_black(&self) -> bool {
+        self.pixels.iter().all(|[red, green, blue, _]| red | green | blue == 0)
+    }
+
     pub(super) fn check(&self) -> Result<()> {
         let Self { name, width, height, pixels } = self;
         let expected = *width as usize * *height as usize;

@@ -60,7 +60,7 @@ impl Scene {
     /// Checks a description and takes it over.
     ///
     /// Degenerate triangles are dropped, singular instances left out and albedo clamped to [`MAX_ALBEDO`];
-    /// each is said in [`Scene::warnings`]. An emission whose texture is black all over counts as none.
+    /// each is said in [`Scene::warnings`]. An emission or albedo whose texture is black all over counts as none.
     ///
     /// # Errors
     /// `InvalidScene`, naming the mesh, material, instance or light, the value and what is allowed: an index out of
@@ -71,7 +71,8 @@ impl Scene {
         let mut warnings = Vec::new();
         textures.iter().try_for_each(Texture::check)?;
         materials.iter_mut().try_for_each(|material| material.check(textures.len(), &mut warnings))?;
-        materials.iter_mut().for_each(|material| material.heed_black_texture(&textures));
+        let black: Vec<bool> = textures.iter().map(Texture::is_black).collect();
+        materials.iter_mut().for_each(|material| material.heed_black_textures(&black));
         lights.iter_mut().try_for_each(Light::check)?;
         sky.check()?;
         let meshes: Vec<Mesh> =

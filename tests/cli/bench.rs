@@ -117,6 +117,7 @@ fn features_tell_what_each_of_them_costs() {
     for row in rows {
         assert_spread(&row["mrays_per_s"]);
         assert_spread(&row["time_ratio"]);
+        assert!(number(&row["set_up_seconds"]) >= 0.0, "{report}");
         assert!(number(&row["bytes"]) >= number(&least["bytes"]), "{report}");
         assert!(number(&row["spirv_bytes"]) >= number(&least["spirv_bytes"]), "{report}");
     }
@@ -131,4 +132,10 @@ fn features_of_a_dark_scene_cost_nothing_to_tell() {
     let found = run(["bench", &dark, "--features"]);
     assert_eq!(found.code, Some(1), "{found:?}");
     assert_says(&found.stderr, &["'dark'", "nothing to measure"]);
+    let found = run(["bench", &dark, "--sampling", "cosine"]);
+    assert_eq!(found.code, Some(2), "{found:?}");
+    assert_says(&found.stderr, &["--sampling", "--features", "required"]);
+    let found = run(["bench", &dark, "--features", "--sampling", "all"]);
+    assert_eq!(found.code, Some(2), "{found:?}");
+    assert_says(&found.stderr, &["--sampling", "'all'", "allowed is auto, cosine"]);
 }

@@ -18,6 +18,7 @@ enum With {
     LightAlone,
     MovingSquare,
     TexturedLamp,
+    TexturedFloor,
     SkyMap,
 }
 
@@ -43,11 +44,15 @@ fn scene(with: With) -> Scene {
             stage.desc.sky = Sky::Map(SkyMap { width: width as u32, height: height as u32, pixels });
         }
         With::MovingSquare => stage.desc.instances[1].mobility = Mobility::Movable,
-        With::TexturedLamp => {
+        With::TexturedLamp | With::TexturedFloor => {
             let pixels = vec![[0, 255, 0, 255]; 4];
-            stage.desc.textures.push(Texture { name: "red".into(), width: 2, height: 2, pixels });
-            let red = TextureUse { texture: 0, wrap: [Wrap::Repeat; 2] };
-            stage.desc.materials[lamp].emission_texture = Some(red);
+            stage.desc.textures.push(Texture { name: "green".into(), width: 2, height: 2, pixels });
+            let green = Some(TextureUse { texture: 0, wrap: [Wrap::Repeat; 2] });
+            if with == With::TexturedLamp {
+                stage.desc.materials[lamp].emission_texture = green;
+            } else {
+                stage.desc.materials[grey].albedo_texture = green;
+            }
         }
     }
     stage.build()
@@ -74,7 +79,7 @@ fn bits(map: &LightMap) -> Vec<[u32; 4]> {
 }
 
 /// Texels are lit at once, and as they were; then the new light comes, as it is in a baker that was made with it.
-fn comes_to_need(backend: BackendChoice, from: With, with: With, feature: Features) {
+fn comes_to_need(backend: BackendChoice, from: With, with: With, feature: Features, watched: &[usize]) {
     let Some(mut live) = live(backend, from) else { return };
     assert!(feature.is_empty() || !live.baker.features().contains(feature));
     let (before, shown) = (live.baker.read_back().unwrap(), live.baker.light_map());
@@ -92,10 +97,10 @@ fn comes_to_need(backend: BackendChoice, from: With, with: With, feature: Featur
         assert!(live.irradiance(&floor()).iter().all(|light| *light > 0.0), "a texel is black");
     }
     live.frames(80, 0.1);
-    let reached = channels(&mut live);
+    let reached = channels(&mut live, watched);
     let Some(mut made_so) = self::live(backend, with) else { return };
-    let wanted = channels(&mut made_so);
-    let was = channels_of(&before);
+    let wanted = channels(&mut made_so, watched);
+    let was = channels_of(&before, watched);
     println!("{with:?}: {was:.4} was, {reached:.4} is reached, {wanted:.4} wanted");
     assert!(
         (reached - wanted).abs().max_element() < 0.02 * wanted.max_element(),
@@ -107,16 +112,22 @@ fn comes_to_need(backend: BackendChoice, from: With, with: With, feature: Featur
 }
 
 fn a_first_light(backend: BackendChoice) {
-    comes_to_need(backend, With::Nothing, With::Light, Features::LIGHTS);
+    comes_to_need(backend, With::Nothing, With::Light, Features::LIGHTS, &floor());
 }
 
 /// Beside a light that was there.
 fn a_first_emitter(backend: BackendChoice) {
-    comes_to_need(backend, With::LightAlone, With::Light, Features::empty());
+    comes_to_need(backend, With::LightAlone, With::Light, Features::empty(), &floor());
 }
 
 fn a_first_texture(backend: BackendChoice) {
-    comes_to_need(backend, With::Nothing, With::TexturedLamp, Features::EMISSION_TEXTURES);
+    comes_to_need(backend, With::Nothing, With::TexturedLamp, Features::EMISSION_TEXTURES, &floor());
+}
+
+/// What the lamp sees is the floor.
+fn a_first_texture_of_albedo(backend: BackendChoice) {
+    let lamp: Vec<usize> = Chart::new(0).texels().map(|(texel, _)| texel).collect();
+    comes_to_need(backend, With::Nothing, With::TexturedFloor, Features::ALBEDO_TEXTURES, &lamp);
 }
 
 /// It may be moved from then on, and shades the floor.
@@ -210,12 +221,11 @@ fn stage_sides(material: usize) -> Vec<Quad> {
 }
 
 /// Mean irradiance of the floor.
-fn channels(live: &mut Live) -> DVec3 {
-    channels_of(&live.baker.read_back().unwrap())
+fn channels(live: &mut Live, texels: &[usize]) -> DVec3 {
+    channels_of(&live.baker.read_back().unwrap(), texels)
 }
 
-fn channels_of(map: &LightMap) -> DVec3 {
-    let texels = floor();
+fn channels_of(map: &LightMap, texels: &[usize]) -> DVec3 {
     let sum: DVec3 = texels.iter().map(|texel| Vec4::from(map.pixels[*texel]).truncate().as_dvec3()).sum();
     sum / texels.len() as f64
 }
@@ -260,6 +270,7 @@ macro_rules! on_both_back_ends {
 on_both_back_ends!(
     a_first_light,
     a_first_texture,
+    a_first_texture_of_albedo,
     a_first_moving_object,
     a_first_emitter,
     nothing_changes,

@@ -7,7 +7,7 @@ use crate::features::Features;
 use crate::pass::ResolveSums;
 use crate::schedule::{GROUP, Unit};
 
-/// Which texels take rays. Where nobody asks for it all do.
+/// Which texels take rays. Made only with [`ErrorEstimate::Adaptive`]; else all do.
 pub(super) struct Adapting {
     /// `[group][field]`
     texels: Vec<[u32; 2]>,

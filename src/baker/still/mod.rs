@@ -1,18 +1,20 @@
 //! The algorithm of a static bake, as a list of passes: bounces first, then samples that are kept.
 
 mod adapting;
+mod lighting;
 mod passes;
 mod showing;
 
 use super::aiming::{Aiming, Occasion};
 use super::progress::{Clock, Outcome, Progress, Stop, Stretch};
 use super::{BakeSettings, Core, ErrorEstimate};
-use crate::epochs::{Bounces, Epoch, Epochs, Stage};
+use crate::epochs::{Bounces, Epoch, Epochs, Stage, too_bright};
 use crate::error::Result;
 use crate::gpu::layout::Push;
 use crate::pass::SourceSums;
 use crate::schedule::{Pace, Sweep, Unit};
 use adapting::Adapting;
+use lighting::Lighting;
 use passes::{Gathering, Passes};
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
@@ -30,6 +32,7 @@ pub(super) struct Still {
 
 /// Where a bake stands, between two slices.
 struct State {
+    lighting: Lighting,
     adapting: Option<Adapting>,
     epochs: Epochs,
     epoch: Epoch,
@@ -112,7 +115,7 @@ impl Still {
         core.statistics.warn(format!("the bounces have not converged: {share} of the light is missing"));
     }
 
-    /// The first source map, which emits and does not reflect, and light from analytic lights.
+    /// The first source map, which emits and does not reflect.
     fn start(&mut self, core: &mut Core) -> Result<State> {
         let started = Instant::now();
         if let Some(Gathering { source, .. }) = &self.passes.gathering {
@@ -125,11 +128,11 @@ impl Still {
         }
         let emitted = self.update_source(core)?;
         self.aiming.refresh(core, Occasion::NewSource)?;
-        self.light_directly(core)?;
         core.statistics.seconds.direct += started.elapsed().as_secs_f64() - core.statistics.seconds.importance;
         let first = if self.aiming.may_aim() { Stage::Pilot } else { Stage::Last };
         let epochs = Epochs::new(self.bounces, first, emitted.max_albedo, emitted.mean_radiance);
         let mut state = State {
+            lighting: Lighting::new(core, &self.pace),
             adapting: Adapting::new(core)?,
             epochs,
             epoch: Epoch::Bounce(first),
@@ -145,23 +148,6 @@ impl Still {
         Ok(state)
     }
 
-    fn light_directly(&mut self, core: &mut Core) -> Result<()> {
-        let (Some(pass), push) = (&self.passes.direct, &core.push) else { return Ok(()) };
-        let mut sweep = Sweep::new(core.texels.count, 0..1);
-        let mut pace = self.pace.clone();
-        // Up to 40 shadow rays a light; four of five lights do not reach a texel's few.
-        let rays = 8 * push.light_count;
-        while let Some(Unit { texels, .. }) = sweep.next(&pace, rays, 1) {
-            let count = u64::from(texels.end - texels.start) * u64::from(rays);
-            let took = core.commands.run(|recorder| {
-                pass.record(recorder, push, texels);
-                Ok(())
-            })?;
-            pace.measured(count, took);
-        }
-        Ok(())
-    }
-
     fn run(
         &mut self,
         core: &mut Core,
@@ -173,13 +159,15 @@ impl Still {
         if state.covered && stop.reached(&core.statistics, clock.elapsed()) {
             return Ok(Outcome::Finished);
         }
+        let ended = self.light_directly(core, &mut state.lighting, stop, clock, progress)?;
         if self.passes.gathering.is_none() {
-            // All light has come from analytic lights, and is there already.
-            let report = core.statistics.progress(Epoch::Keep { quanta: 0 }, stop, clock.elapsed());
-            return Ok(if progress(&report).is_break() { Outcome::Interrupted } else { Outcome::Finished });
+            return Ok(self.end_without_rays(core, state, ended, |core| {
+                // Nothing is left that could be broken off.
+                let _ = progress(&core.statistics.progress_at_end(stop, clock.elapsed()));
+            }));
         }
         // The first pass of few rays is gone through even then: there is no light map before it.
-        let mut interrupted = false;
+        let mut interrupted = ended == Some(Outcome::Interrupted);
         loop {
             let (started, apart_before) = (Instant::now(), core.statistics.seconds.beside_bake());
             let rays = self.rays(core, state.epoch);
@@ -194,6 +182,10 @@ impl Still {
                 Self::keep(core, state, kept);
                 if kept >= state.next_estimate {
                     let sums = self.resolve(core, state, state.mean_luminance)?;
+                    if stop.error.is_some() && !(sums.mean.is_finite() && sums.relative_mse.is_finite()) {
+                        // Its error would never be known.
+                        return Err(too_bright());
+                    }
                     // Whoever looks in between changes nothing of what is decided.
                     (state.mean_luminance, state.error) = (sums.mean, core.statistics.estimated_error);
                     if let Some(adapting) = &mut state.adapting {

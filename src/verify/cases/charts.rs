@@ -1,20 +1,21 @@
 //! Extreme case 16: charts and texels that are no good are filled, counted or refused, and leave no black halo.
 
 use super::{Case, Checks};
-use crate::baker::{BakeSettings, Baker, Bounces, LightMap, Stop};
+use crate::baker::{BakeSettings, Baker, Bounces, LightMap, Sampling, Stop};
 use crate::error::{ErrorKind, Result};
 use crate::gpu::Gpu;
-use crate::scene::{LightKind, Resolution, Scene};
+use crate::scene::{LightKind, Resolution, Scene, Texture, TextureUse, Wrap};
 use crate::verify::estimate::{How, bake, irradiance};
 use crate::verify::stage::{Chart, Facing, Quad, SIDE, Stage, level_square, room};
 use glam::{DAffine3, DVec3, Vec2, Vec3};
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
 
-pub(super) const CASES: [Case; 7] = [
+pub(super) const CASES: [Case; 8] = [
     Case::extreme(16, "texels inside a wall", inside_a_wall),
     Case::extreme(16, "islands of a texel and less", islands),
     Case::extreme(16, "overlapping charts in a mesh", overlapping_charts),
+    Case::extreme(16, "overlapping charts with textures", overlapping_textures),
     Case::extreme(16, "overlapping charts of instances", overlapping_instances),
     Case::extreme(16, "light-map coordinates outside the map", outside_the_map),
     Case::extreme(16, "triangles without area in the map", without_area_in_the_map),
@@ -124,6 +125,37 @@ fn overlapping_charts(gpu: &Gpu, checks: &mut Checks) -> Result<()> {
     let values = irradiance(&baker.read_back()?, chart)?;
     let of_one = values.iter().filter(|value| value.abs() < 1e-5 || (*value - 1.0).abs() < 1e-5).count();
     checks.count("texels with the light of one surface", of_one as u64, 28 * 28);
+    Ok(())
+}
+
+/// The mesh's last triangle has the texel, with a white texture on one of them as without.
+fn overlapping_textures(gpu: &Gpu, checks: &mut Checks) -> Result<()> {
+    let (chart, mut plain) = (Chart::large(0), None);
+    for textured in [None, Some(0), Some(1)] {
+        let mut stage = Stage::new();
+        let [first, last] = [1.0, 2.0].map(|emission| stage.material(0.0, emission));
+        let pixels = vec![[255; 4]];
+        stage.desc.textures.push(Texture { name: "white".into(), width: 1, height: 1, pixels });
+        if let Some(material) = textured {
+            let white = TextureUse { texture: 0, wrap: [Wrap::Repeat; 2] };
+            stage.desc.materials[material].emission_texture = Some(white);
+        }
+        // Each before a screen, which tells which of the two shines there.
+        let beside = |material, x: f32| {
+            let quad = level_square(1.0, 0.0, Facing::Up, chart, material);
+            Quad { corner: quad.corner + Vec3::X * x, ..quad }
+        };
+        let screen = level_square(1.0, 1.0, Facing::Down, Chart::new(0), first);
+        let screen = Quad { material: stage.material(0.0, 0.0), ..screen };
+        let scene = stage.with(&[beside(first, 4.0), beside(last, 0.0), screen])?;
+        let how = How::new(64, Bounces::Limit(0)).by(Sampling::Cosine);
+        let lit = irradiance(&bake(gpu, &scene, how, 0)?.0, Chart::new(0))?;
+        let mean = lit.iter().sum::<f64>() / lit.len() as f64;
+        // A form factor of .1998249, closed form 4; of the first there would be half.
+        checks.relative(format!("light of the last, a texture on {textured:?}"), mean, 2.0 * PI * 0.199_824_9, 0.1);
+        let plain = plain.get_or_insert_with(|| lit.clone());
+        checks.holds(format!("and to the bit, a texture on {textured:?}"), *plain == lit);
+    }
     Ok(())
 }
 

@@ -50,7 +50,7 @@ struct Row {
     pass_ms: Spread,
     /// Time over that without any, round by round.
     time_ratio: Spread,
-    /// Device memory at most, bytes, and without any.
+    /// Device memory that the bake holds, bytes, and one without any.
     bytes: u64,
     least_bytes: u64,
     /// Setting the bake up: layout, upload, g-buffer, and finding what rays can be aimed at; without compiling.
@@ -65,16 +65,16 @@ struct Row {
 struct Subject {
     switched_on: Features,
     baker: Baker,
-    bytes: u64,
     set_up_seconds: f64,
-    pipelines: Pipelines,
+    alone: Alone,
     /// Seconds and rays of each round.
     rounds: Vec<(f64, u64)>,
 }
 
-/// What the pipelines take of a bake that is alone on its device.
+/// What a bake takes that is alone on its device.
 #[derive(Debug, Clone, Copy, Default)]
-struct Pipelines {
+struct Alone {
+    bytes: u64,
     compile_seconds: f64,
     spirv_bytes: u64,
 }
@@ -95,16 +95,16 @@ fn settings(arguments: &Bench, unneeded: Features) -> BakeSettings {
 impl Subject {
     fn new(gpu: &Gpu, arguments: &Bench, scene: &Scene, switched_on: Features) -> Result<Self> {
         let settings = settings(arguments, switched_on);
-        let bytes = estimate_memory(scene, &settings)?.1.most();
         let (baker, rounds) = (Baker::new(gpu, scene, &settings)?, Vec::new());
         let seconds = baker.statistics().seconds;
         let set_up_seconds = seconds.gbuffer + seconds.aiming;
-        let mut subject = Self { switched_on, baker, bytes, set_up_seconds, pipelines: Pipelines::default(), rounds };
+        let mut subject = Self { switched_on, baker, set_up_seconds, alone: Alone::default(), rounds };
         // Past the bounces, and what compiles at its first use.
         subject.round(1)?;
         subject.rounds.clear();
         let compile_seconds = subject.baker.statistics().seconds.compile;
-        subject.pipelines = Pipelines { compile_seconds, spirv_bytes: gpu.objects().spirv_bytes };
+        let (bytes, spirv_bytes) = (gpu.allocated_bytes(), gpu.objects().spirv_bytes);
+        subject.alone = Alone { bytes, compile_seconds, spirv_bytes };
         Ok(subject)
     }
 
@@ -129,11 +129,11 @@ impl Subject {
             mrays_per_s: of(&|seconds| 1e-6 / seconds.max(1e-15))?,
             pass_ms: of(&|seconds| 1e3 * seconds * rays_of_pass)?,
             time_ratio: Spread::of(ratios)?,
-            bytes: self.bytes,
-            least_bytes: least.bytes,
+            bytes: self.alone.bytes,
+            least_bytes: least.alone.bytes,
             set_up_seconds: self.set_up_seconds,
-            compile_seconds: self.pipelines.compile_seconds,
-            spirv_bytes: self.pipelines.spirv_bytes,
+            compile_seconds: self.alone.compile_seconds,
+            spirv_bytes: self.alone.spirv_bytes,
         })
     }
 }
@@ -141,7 +141,7 @@ impl Subject {
 /// `None` when it was interrupted.
 ///
 /// # Errors
-/// `InvalidSettings` for a scene that needs everything; `InvalidScene` for one that can only be dark.
+/// `InvalidSettings` for a scene that needs everything; `InvalidScene` for one that can only be dark, or needs no rays.
 pub(super) fn measure(arguments: &Bench, scene: &Scene, bar: &Bar, start: Instant) -> Result<Option<Report>> {
     if estimate_memory(scene, &settings(arguments, Features::empty()))?.1.is_dark {
         let context = format!("nothing shines in '{}', or nothing is lit: there is nothing to measure", scene.name());
@@ -150,6 +150,10 @@ pub(super) fn measure(arguments: &Bench, scene: &Scene, bar: &Bar, start: Instan
     let device = device::open(&arguments.device)?;
     let gpu = device.gpu();
     let needed = Features::required(scene, &settings(arguments, Features::empty()));
+    if !needed.contains(Features::GATHERING) {
+        let context = format!("'{}' has no light that rays could find: there is nothing to measure", scene.name());
+        return Err(Error::new(ErrorKind::InvalidScene, context));
+    }
     let unneeded = Features::LEFT_OUT_AT_WILL.difference(needed);
     if unneeded.is_empty() {
         let context = "the scene needs all that could be left out: there is nothing to measure";
@@ -164,16 +168,18 @@ pub(super) fn measure(arguments: &Bench, scene: &Scene, bar: &Bar, start: Instan
         }
         bar.say(format!("compiling {switched_on:?}"));
         let device = device::open(&arguments.device)?;
-        alone.push(Subject::new(device.gpu(), arguments, scene, *switched_on)?.pipelines);
+        alone.push(Subject::new(device.gpu(), arguments, scene, *switched_on)?.alone);
         device::fail_on_validation(&device)?;
     }
+    // What the first bake on a device does for all.
+    drop(Subject::new(gpu, arguments, scene, Features::empty())?);
     let mut subjects = Vec::new();
-    for (switched_on, pipelines) in each.into_iter().zip(alone) {
+    for (switched_on, alone) in each.into_iter().zip(alone) {
         if interrupt::requested() {
             return Ok(None);
         }
         bar.say(format!("preparing {switched_on:?}"));
-        subjects.push(Subject { pipelines, ..Subject::new(gpu, arguments, scene, switched_on)? });
+        subjects.push(Subject { alone, ..Subject::new(gpu, arguments, scene, switched_on)? });
     }
     // The same work in every round and for all: about as many rays as asked for.
     let texels = subjects[0].baker.statistics().texels;
