@@ -505,7 +505,8 @@ typedef struct LightovenGpuDesc {
     VkQueue compute_queue;
     // The family of `queue`, with graphics and compute.
     uint32_t queue_family;
-    // The family of `compute_queue`, with compute; not looked at where that is NULL.
+    // The family of `compute_queue`, with compute; not looked at where that is NULL, and that of `queue` where the two
+    // are one.
     uint32_t compute_queue_family;
     // Extensions enabled on the instance, `[instance_extension_count]`. With VK_EXT_debug_utils objects are named and passes
     // labelled. NULL where the count is 0.
@@ -1081,7 +1082,7 @@ LightovenStatus lightoven_requirements(PFN_vkGetInstanceProcAddr get_instance_pr
 
 // Takes an engine's device. `desc`, `gpu`: not NULL. `gpu` is written only where the call succeeds. UNSUPPORTED names an
 // extension or feature that is required and was not enabled, INVALID_SETTINGS a queue family that the device does not have or
-// that cannot do the work.
+// that cannot do the work, or two families of one queue.
 //
 // # Safety
 // - `desc` and what it points to are as its members say; the handles are valid and belong together; extensions and features
