@@ -15,7 +15,8 @@ pub enum Bounces {
     /// floats tell.
     #[default]
     Auto,
-    /// This many times at most, up to [`Bounces::MAX_LIMIT`]; 0: lights, sky and emission alone.
+    /// This many times, up to [`Bounces::MAX_LIMIT`], and no fewer where the last of them add nothing: each costs a pass over
+    /// the light map. 0: lights, sky and emission alone.
     Limit(u32),
 }
 

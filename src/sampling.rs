@@ -71,7 +71,7 @@ impl Sampling {
 /// How rays were sent, and what came of it.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SamplingStatistics {
-    /// Share of rays sent by the cosine at present, which is the mixture's alpha: 0 to 1.
+    /// Share of rays sent by the cosine at present, which is the mixture's alpha: 0 to 1. Before the first ray all shares are 0.
     pub cosine_share: f32,
     /// Share of rays aimed at the light map at present.
     pub source_share: f32,
@@ -84,9 +84,10 @@ pub struct SamplingStatistics {
     pub source_rays: u64,
     /// Rays aimed at the sky map so far.
     pub sky_rays: u64,
-    /// Share of the rays aimed at the light map that saw the texel, lately; `None`: none has been aimed.
+    /// Share of the rays aimed at the light map that saw the texel, lately; `None`: none has been aimed, or it is
+    /// not known yet.
     pub source_seen: Option<f32>,
-    /// Share of the rays aimed at the sky map that left the scene, lately; `None`: none has been aimed.
+    /// Share of the rays aimed at the sky map that left the scene, lately; `None`: none has been aimed, or it is not known yet.
     pub sky_seen: Option<f32>,
     /// How even what shines is: 1 where all surfaces have one radiance, toward 0 the smaller the part is that shines.
     /// `None` where nobody asked.

@@ -133,8 +133,9 @@ impl Baker {
 /// The layout of the scene's light map, and what baking it takes.
 ///
 /// # Errors
-/// As [`Atlas::new`].
+/// As [`Atlas::new`], and `InvalidSettings` for what [`Baker::new`] refuses on any device.
 pub fn estimate_memory(scene: &Scene, settings: &BakeSettings) -> Result<(Atlas, MemoryEstimate)> {
+    settings.check()?;
     let atlas = Atlas::new(scene, settings.resolution)?;
     let estimate = MemoryEstimate::of_bake(scene, &atlas, settings);
     Ok((atlas, estimate))

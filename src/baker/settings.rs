@@ -1,7 +1,9 @@
 //! How to bake.
 
 use super::frames::FrameSettings;
+use super::needs::check_unneeded;
 use crate::epochs::Bounces;
+use crate::error::{Error, Result};
 use crate::features::Features;
 use crate::sampling::{AimedBy, Sampling};
 use crate::scene::Resolution;
@@ -53,6 +55,26 @@ pub enum Mode {
     /// It changes: [`super::Baker::record`] or [`super::Baker::submit`] work within an engine's frames, on an engine's device
     /// ([`crate::gpu::Gpu::from_raw`]). Light is reflected without limit: bounces other than [`Bounces::Auto`] are refused.
     Frames(FrameSettings),
+}
+
+impl BakeSettings {
+    /// What is looked at without a device; the resolution is by the layout of the light map.
+    ///
+    /// # Errors
+    /// `InvalidSettings` for what is outside its range.
+    pub(super) fn check(&self) -> Result<()> {
+        self.sampling.check()?;
+        self.bounces.check()?;
+        check_unneeded(self)?;
+        let Mode::Frames(frames) = self.mode else { return Ok(()) };
+        frames.check()?;
+        match self.bounces {
+            Bounces::Auto => Ok(()),
+            Bounces::Limit(limit) => {
+                Err(Error::settings(format!("the bounces are limited to {limit}; allowed within frames is no limit")))
+            }
+        }
+    }
 }
 
 impl Default for BakeSettings {

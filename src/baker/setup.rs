@@ -3,11 +3,9 @@
 use super::dark::{Dark, is_dark, nothing_to_bake};
 use super::frames::Frames;
 use super::memory::MemoryEstimate;
-use super::needs::check_unneeded;
 use super::still::Still;
 use super::{BakeSettings, Baker, Core, Mode, Running, Sampling, Statistics};
 use crate::bvh::{Bvh, InstanceRecord, Motion};
-use crate::epochs::Bounces;
 use crate::error::{Error, Result};
 use crate::features::Features;
 use crate::gpu::layout::{NO_FOOTPRINT, Push};
@@ -118,15 +116,8 @@ fn reach(scene: &Scene) -> f64 {
 }
 
 fn check(gpu: &Gpu, settings: &BakeSettings) -> Result<()> {
-    settings.sampling.check()?;
-    settings.bounces.check()?;
-    check_unneeded(settings)?;
-    let Mode::Frames(frames) = settings.mode else { return Ok(()) };
-    frames.check()?;
-    if let Bounces::Limit(limit) = settings.bounces {
-        return Err(Error::settings(format!("the bounces are limited to {limit}; allowed within frames is no limit")));
-    }
-    if gpu.is_owned() {
+    settings.check()?;
+    if matches!(settings.mode, Mode::Frames(_)) && gpu.is_owned() {
         return Err(Error::settings("a bake within frames works on an engine's device; this one is lightoven's own"));
     }
     Ok(())

@@ -184,7 +184,9 @@ pub unsafe extern "C" fn lightoven_baker_read_back(
 }
 
 /// Writes the light map as OpenEXR: R, G, B and A as 32-bit floats, with scene, seed, samples, device and version as attributes.
-/// It is written beside and renamed. `path`: UTF-8, not NULL. Waits as `lightoven_baker_read_back` does.
+/// It is written beside and renamed: what was there is replaced, and its mode kept, its owner and access lists not. A link is
+/// followed, even where it leads to nothing yet; what is no file, or a file without a name such as a deleted one, is refused.
+/// `path`: UTF-8, not NULL. Waits as `lightoven_baker_read_back` does.
 ///
 /// # Safety
 /// `path` ends with a NUL; otherwise as `lightoven_baker_read_back`.
@@ -199,7 +201,7 @@ pub unsafe extern "C" fn lightoven_baker_write_exr(baker: LightovenBaker, path: 
 }
 
 /// Writes a picture of the light map for the eye, as 8-bit PNG, its exposure chosen by its 99th percentile. Otherwise as
-/// `lightoven_baker_write_exr`.
+/// `lightoven_baker_write_exr`, links and modes too.
 ///
 /// # Safety
 /// As `lightoven_baker_write_exr`.

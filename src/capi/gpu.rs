@@ -93,7 +93,8 @@ pub struct LightovenGpuDesc {
     pub compute_queue: VkQueue,
     /// The family of `queue`, with graphics and compute.
     pub queue_family: u32,
-    /// The family of `compute_queue`, with compute; not looked at where that is NULL.
+    /// The family of `compute_queue`, with compute; not looked at where that is NULL, and that of `queue` where the two
+    /// are one.
     pub compute_queue_family: u32,
     /// Extensions enabled on the instance, `[instance_extension_count]`. With VK_EXT_debug_utils objects are named and passes
     /// labelled. NULL where the count is 0.
@@ -186,7 +187,7 @@ fn code(backend: Backend) -> LightovenBackend {
 
 /// Takes an engine's device. `desc`, `gpu`: not NULL. `gpu` is written only where the call succeeds. UNSUPPORTED names an
 /// extension or feature that is required and was not enabled, INVALID_SETTINGS a queue family that the device does not have or
-/// that cannot do the work.
+/// that cannot do the work, or two families of one queue.
 ///
 /// # Safety
 /// - `desc` and what it points to are as its members say; the handles are valid and belong together; extensions and features

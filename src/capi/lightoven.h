@@ -505,7 +505,8 @@ typedef struct LightovenGpuDesc {
     VkQueue compute_queue;
     // The family of `queue`, with graphics and compute.
     uint32_t queue_family;
-    // The family of `compute_queue`, with compute; not looked at where that is NULL.
+    // The family of `compute_queue`, with compute; not looked at where that is NULL, and that of `queue` where the two
+    // are one.
     uint32_t compute_queue_family;
     // Extensions enabled on the instance, `[instance_extension_count]`. With VK_EXT_debug_utils objects are named and passes
     // labelled. NULL where the count is 0.
@@ -788,7 +789,8 @@ typedef struct LightovenBakeSettings {
     uint32_t resolution;
     // Texels for one scene unit of length; default 0: as `resolution` says.
     float texels_per_unit;
-    // How many times light is reflected: 0 to 16384, or LIGHTOVEN_ALL_BOUNCES, the default, which frames insist on.
+    // How many times light is reflected: 0 to 16384, or LIGHTOVEN_ALL_BOUNCES, the default, which frames insist on, and which
+    // ends where the next one adds nothing to speak of. Of a number all are done: each costs a pass over the light map.
     uint32_t bounces;
     // A LightovenSampling; default auto.
     uint32_t sampling;
@@ -862,11 +864,12 @@ typedef struct LightovenStatistics {
     uint64_t rays;
     // Samples of a texel, in the mean.
     double samples_per_texel;
-    // Million rays a second of baking.
+    // Million rays a second of baking; 0 before a bake has begun, and within frames.
     double mrays_per_s;
     // Root of relMSE as it is estimated; below 0: not known.
     float estimated_error;
-    // Bound on what further bounces would add, relative to the mean radiance; infinite before two are done.
+    // Bound on what further bounces would add, relative to the mean radiance: infinite before two are done, and 0 before
+    // a bake has begun, and within frames.
     float bounces_missing;
     // Epochs finished.
     uint32_t epochs;
@@ -904,15 +907,17 @@ typedef struct LightovenStatistics {
     uint64_t resolve_ns;
     // For pipelines, and what the driver compiles at their first use.
     uint64_t compile_ns;
-    // Share of rays sent by the cosine at present, a mixture's alpha; 0 to 1, as all shares.
+    // Share of rays sent by the cosine at present, a mixture's alpha; 0 to 1, as all shares. Before the first ray
+    // these three are 0.
     float cosine_share;
     // Share of rays aimed at the light map at present.
     float source_share;
     // Share of rays aimed at the sky map at present.
     float sky_share;
-    // Share of the rays aimed at the light map that saw what they were aimed at, lately; below 0: none was aimed.
+    // Share of the rays aimed at the light map that saw what they were aimed at, lately; below 0: none was aimed, or it is
+    // not known yet.
     float source_seen;
-    // Share of the rays aimed at the sky map that left the scene, lately; below 0: none was aimed.
+    // Share of the rays aimed at the sky map that left the scene, lately; below 0: none was aimed, or it is not known yet.
     float sky_seen;
     // How even what shines is: 1 where all surfaces have one radiance, toward 0 the smaller the part is that shines; below 0: not
     // known.
@@ -1081,7 +1086,7 @@ LightovenStatus lightoven_requirements(PFN_vkGetInstanceProcAddr get_instance_pr
 
 // Takes an engine's device. `desc`, `gpu`: not NULL. `gpu` is written only where the call succeeds. UNSUPPORTED names an
 // extension or feature that is required and was not enabled, INVALID_SETTINGS a queue family that the device does not have or
-// that cannot do the work.
+// that cannot do the work, or two families of one queue.
 //
 // # Safety
 // - `desc` and what it points to are as its members say; the handles are valid and belong together; extensions and features
@@ -1228,7 +1233,9 @@ LightovenStatus lightoven_baker_read_back(struct LightovenBaker baker,
                                           size_t pixel_count);
 
 // Writes the light map as OpenEXR: R, G, B and A as 32-bit floats, with scene, seed, samples, device and version as attributes.
-// It is written beside and renamed. `path`: UTF-8, not NULL. Waits as `lightoven_baker_read_back` does.
+// It is written beside and renamed: what was there is replaced, and its mode kept, its owner and access lists not. A link is
+// followed, even where it leads to nothing yet; what is no file, or a file without a name such as a deleted one, is refused.
+// `path`: UTF-8, not NULL. Waits as `lightoven_baker_read_back` does.
 //
 // # Safety
 // `path` ends with a NUL; otherwise as `lightoven_baker_read_back`.
@@ -1236,7 +1243,7 @@ LightovenStatus lightoven_baker_write_exr(struct LightovenBaker baker,
                                           const char *path);
 
 // Writes a picture of the light map for the eye, as 8-bit PNG, its exposure chosen by its 99th percentile. Otherwise as
-// `lightoven_baker_write_exr`.
+// `lightoven_baker_write_exr`, links and modes too.
 //
 // # Safety
 // As `lightoven_baker_write_exr`.
@@ -1261,7 +1268,8 @@ LightovenStatus lightoven_baker_warning(struct LightovenBaker baker,
 
 // Gives what a baker does without, in words, such as "no sky": UTF-8, ended by a NUL, cut short where `capacity` is too small
 // for all of it. `index`: below `LightovenStatistics::left_out_count`. `bytes`: set to about what that saves of device memory, 0
-// where it saves time alone, or NULL; the other parameters are those of `lightoven_scene_text`.
+// where it saves time alone, or NULL; the other parameters are those of `lightoven_scene_text`, but for
+// `buffer` and `length`, which may both be NULL where `bytes` is not.
 //
 // # Safety
 // As `lightoven_scene_text`; `bytes` is NULL or may be written.

@@ -111,7 +111,8 @@ pub struct LightovenBakeSettings {
     pub resolution: u32,
     /// Texels for one scene unit of length; default 0: as `resolution` says.
     pub texels_per_unit: f32,
-    /// How many times light is reflected: 0 to 16384, or LIGHTOVEN_ALL_BOUNCES, the default, which frames insist on.
+    /// How many times light is reflected: 0 to 16384, or LIGHTOVEN_ALL_BOUNCES, the default, which frames insist on, and which
+    /// ends where the next one adds nothing to speak of. Of a number all are done: each costs a pass over the light map.
     pub bounces: u32,
     /// A LightovenSampling; default auto.
     pub sampling: u32,

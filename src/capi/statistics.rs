@@ -35,11 +35,12 @@ pub struct LightovenStatistics {
     pub rays: u64,
     /// Samples of a texel, in the mean.
     pub samples_per_texel: f64,
-    /// Million rays a second of baking.
+    /// Million rays a second of baking; 0 before a bake has begun, and within frames.
     pub mrays_per_s: f64,
     /// Root of relMSE as it is estimated; below 0: not known.
     pub estimated_error: f32,
-    /// Bound on what further bounces would add, relative to the mean radiance; infinite before two are done.
+    /// Bound on what further bounces would add, relative to the mean radiance: infinite before two are done, and 0 before
+    /// a bake has begun, and within frames.
     pub bounces_missing: f32,
     /// Epochs finished.
     pub epochs: u32,
@@ -77,15 +78,17 @@ pub struct LightovenStatistics {
     pub resolve_ns: u64,
     /// For pipelines, and what the driver compiles at their first use.
     pub compile_ns: u64,
-    /// Share of rays sent by the cosine at present, a mixture's alpha; 0 to 1, as all shares.
+    /// Share of rays sent by the cosine at present, a mixture's alpha; 0 to 1, as all shares. Before the first ray
+    /// these three are 0.
     pub cosine_share: f32,
     /// Share of rays aimed at the light map at present.
     pub source_share: f32,
     /// Share of rays aimed at the sky map at present.
     pub sky_share: f32,
-    /// Share of the rays aimed at the light map that saw what they were aimed at, lately; below 0: none was aimed.
+    /// Share of the rays aimed at the light map that saw what they were aimed at, lately; below 0: none was aimed, or it is
+    /// not known yet.
     pub source_seen: f32,
-    /// Share of the rays aimed at the sky map that left the scene, lately; below 0: none was aimed.
+    /// Share of the rays aimed at the sky map that left the scene, lately; below 0: none was aimed, or it is not known yet.
     pub sky_seen: f32,
     /// How even what shines is: 1 where all surfaces have one radiance, toward 0 the smaller the part is that shines; below 0: not
     /// known.
@@ -181,7 +184,8 @@ pub unsafe extern "C" fn lightoven_baker_warning(
 
 /// Gives what a baker does without, in words, such as "no analytic lights": UTF-8, ended by a NUL, cut short where `capacity` is too small
 /// for all of it. `index`: below `LightovenStatistics::left_out_count`. `bytes`: set to about what that saves of device memory, 0
-/// where it saves time alone, or NULL; the other parameters are those of `lightoven_scene_text`.
+/// where it saves time alone, or NULL; the other parameters are those of `lightoven_scene_text`, but for
+/// `buffer` and `length`, which may both be NULL where `bytes` is not.
 ///
 /// # Safety
 /// As `lightoven_scene_text`; `bytes` is NULL or may be written.
@@ -200,12 +204,13 @@ pub unsafe extern "C" fn lightoven_baker_left_out(
         }
         with(baker, |held| {
             let (words, saved) = one_of(&held.left_out.parts, index, "part left out", "baker")?;
-            // SAFETY: the caller's word, passed on.
-            unsafe {
-                give_text(words, buffer, capacity, length)?;
-                if !bytes.is_null() {
-                    bytes.write(*saved);
-                }
+            if bytes.is_null() || !buffer.is_null() || !length.is_null() {
+                // SAFETY: the caller's word, passed on.
+                unsafe { give_text(words, buffer, capacity, length)? };
+            }
+            if !bytes.is_null() {
+                // SAFETY: it may be written by the caller's word.
+                unsafe { bytes.write(*saved) };
             }
             Ok(())
         })

@@ -172,8 +172,8 @@ impl Gpu {
     ///
     /// # Errors
     /// `Unsupported`, naming an extension or feature that is required and was not enabled; `InvalidSettings` for a queue
-    /// family that the device does not have, or that cannot do the work; `OutOfMemory` or `Driver` where the memory allocator
-    /// or the pipeline cache cannot be made.
+    /// family that the device does not have, or that cannot do the work, or two families of one queue; `OutOfMemory` or
+    /// `Driver` where the memory allocator or the pipeline cache cannot be made.
     ///
     /// # Safety
     /// - The handles are valid and belong together; extensions and features are those that the device was created with.
@@ -202,7 +202,10 @@ impl Gpu {
         // SAFETY: the physical device is the instance's by the caller's word.
         let families = unsafe { instance.get_physical_device_queue_family_properties(raw.physical_device) };
         Purpose::ALL.check(raw.queue.family, &families)?;
-        raw.compute_queue.map_or(Ok(()), |queue| Purpose::COMPUTE.check(queue.family, &families))?;
+        if let Some(compute) = raw.compute_queue {
+            Purpose::COMPUTE.check(compute.family, &families)?;
+            raw.queue.check_family_of(compute)?;
+        }
         let queue = |queue| Queue::new(queue, &instance, raw.physical_device, raw.device);
         let other = raw.compute_queue.filter(|queue| queue.handle != raw.queue.handle);
         let loaded = Loaded {

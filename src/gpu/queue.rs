@@ -15,6 +15,20 @@ pub struct RawQueue {
     pub family: u32,
 }
 
+impl RawQueue {
+    /// # Errors
+    /// `InvalidSettings` where the queue for compute is this one, of another family.
+    pub(super) fn check_family_of(self, compute: Self) -> Result<()> {
+        if self.handle != compute.handle || self.family == compute.family {
+            return Ok(());
+        }
+        let [family, other] = [self.family, compute.family];
+        Err(Error::settings(format!(
+            "the queue for compute is the queue, and its family {other}; allowed is {family}, the queue's, or another queue"
+        )))
+    }
+}
+
 /// A queue, for one thread at a time, whichever [`super::Gpu`] it submits by.
 pub(super) struct Queue {
     handle: Arc<Mutex<vk::Queue>>,
@@ -73,7 +87,8 @@ impl Purpose {
         }
         let Self { name, kinds, .. } = self;
         let numbered = families.iter().enumerate().filter(|(_, family)| fits(family));
-        let allowed = numbered.map(|(index, _)| index.to_string()).collect::<Vec<_>>().join(", ");
+        let allowed = numbered.map(|(index, _)| index.to_string()).collect::<Vec<_>>();
+        let allowed = if allowed.is_empty() { "none".to_owned() } else { allowed.join(", ") };
         let count = families.len();
         Err(Error::settings(format!(
             "the family of {name} is {family}; the device has {count}, and allowed are those with {kinds}: {allowed}"
@@ -99,7 +114,18 @@ mod tests {
         );
         let refused = message(Purpose::COMPUTE, 1).expect_err("has no compute");
         assert!(refused.ends_with("for compute is 1; the device has 3, and allowed are those with compute: 0, 2"));
+        let refused = Purpose::COMPUTE.check(0, &families[1..2]).expect_err("has no compute").to_string();
+        assert!(refused.ends_with("the device has 1, and allowed are those with compute: none"), "{refused}");
         assert!(message(Purpose::ALL, 3).is_err() && message(Purpose::COMPUTE, u32::MAX).is_err());
+    }
+
+    #[test]
+    fn a_queue_is_of_one_family() {
+        use ash::vk::Handle;
+        let queue = |handle, family| RawQueue { handle: vk::Queue::from_raw(handle), family };
+        assert!(queue(1, 0).check_family_of(queue(1, 0)).is_ok() && queue(1, 0).check_family_of(queue(2, 1)).is_ok());
+        let refused = queue(1, 0).check_family_of(queue(1, 2)).expect_err("are two families").to_string();
+        assert!(refused.contains("is the queue, and its family 2; allowed is 0"), "{refused}");
     }
 
     /// Two of one queue wait for each other; those of another queue, or of another device, do not.

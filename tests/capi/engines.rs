@@ -80,12 +80,12 @@ fn an_engine_in_cpp() {
     }
 }
 
-/// Two devices of lightoven's over one queue, in two threads at a time: the validation layers have nothing to say.
+/// Many devices of lightoven's over one queue, in five threads at a time: the validation layers have nothing to say.
 #[test]
-fn a_queue_that_is_handed_over_twice() {
+fn a_queue_that_is_handed_over_often() {
     let text = run(&mut Command::new(compile("queue.c", Linked::Shared, &["-pthread"])));
     println!("{text}");
-    assert!(text.contains("2 threads"), "{text}");
+    assert!(text.contains("5 threads"), "{text}");
 }
 
 /// Nothing links Vulkan: all that engines hand over is vkGetInstanceProcAddr.

@@ -4,7 +4,7 @@
 
 #include "table.h"
 
-static void devices(Engine *engine) {
+static void requirements(const Engine *engine) {
     SIZED(LightovenRequirements, needed);
     const VkInstance instance = engine->instance;
     const VkPhysicalDevice physical = engine->physical_device;
@@ -15,10 +15,11 @@ static void devices(Engine *engine) {
     REFUSED(lightoven_requirements(get, instance, physical, 3, &needed), INVALID_ARGUMENT, "is 3; allowed is 0 to 2");
     REFUSED(lightoven_requirements(get, instance, physical, 0, NULL), INVALID_ARGUMENT, "requirements is NULL");
     WRONG_SIZES(needed, lightoven_requirements(get, instance, physical, 0, &needed));
+}
 
+static void gpus_are_described(const LightovenGpuDesc good) {
     LightovenGpu gpu = {0};
-    LightovenGpuDesc desc = describe_device(engine, LIGHTOVEN_BACKEND_SOFTWARE);
-    const LightovenGpuDesc good = desc;
+    LightovenGpuDesc desc = good;
     REFUSED(lightoven_gpu_create(NULL, &gpu), INVALID_ARGUMENT, "description of the GPU is NULL");
     REFUSED(lightoven_gpu_create(&desc, NULL), INVALID_ARGUMENT, "place is NULL");
     REFUSED(lightoven_gpu_create((const void *)((const char *)&desc + 1), &gpu), INVALID_ARGUMENT, "no multiple of");
@@ -51,7 +52,10 @@ static void devices(Engine *engine) {
     if (gpu.id != 0) {
         fail("lightoven_gpu_create", "wrote a handle, and failed");
     }
+}
 
+static void gpus_are_used(const LightovenGpuDesc good) {
+    LightovenGpu gpu = {0};
     WORKS(lightoven_gpu_create(&good, &gpu));
     SIZED(LightovenGpuInfo, info);
     REFUSED(lightoven_gpu_info(gpu, NULL), INVALID_ARGUMENT, "info is NULL");
@@ -64,7 +68,8 @@ static void devices(Engine *engine) {
     REFUSED(lightoven_gpu_pipeline_cache(gpu, &small, cache), INVALID_ARGUMENT, "room for");
     WORKS(lightoven_gpu_pipeline_cache(gpu, &size, cache));
     LightovenGpu again = {0};
-    desc = good, desc.pipeline_cache = cache, desc.pipeline_cache_size = size;
+    LightovenGpuDesc desc = good;
+    desc.pipeline_cache = cache, desc.pipeline_cache_size = size;
     WORKS(lightoven_gpu_create(&desc, &again));
     WORKS(lightoven_gpu_destroy(again));
     free(cache);
@@ -77,6 +82,13 @@ static void devices(Engine *engine) {
     REFUSED(lightoven_gpu_info(null, &info), INVALID_ARGUMENT, "GPU is the null handle");
     REFUSED(lightoven_gpu_info(gpu, &info), INVALID_ARGUMENT, "was destroyed");
     REFUSED(lightoven_gpu_pipeline_cache(gpu, &size, NULL), INVALID_ARGUMENT, "was destroyed");
+}
+
+static void devices(const Engine *engine) {
+    const LightovenGpuDesc desc = describe_device(engine, LIGHTOVEN_BACKEND_SOFTWARE);
+    requirements(engine);
+    gpus_are_described(desc);
+    gpus_are_used(desc);
 }
 
 #endif

@@ -7,7 +7,13 @@
 #include <float.h>
 #include <math.h>
 
-static void scenes(void) {
+static void is_null(LightovenScene scene) {
+    if (scene.id != 0) {
+        fail("a scene", "was written, and failed");
+    }
+}
+
+static void lists_of_scenes(void) {
     LightovenScene scene = {0};
     LightovenSceneDesc desc = scene_desc;
     REFUSED(lightoven_scene_create(NULL, &scene), INVALID_ARGUMENT, "description of the scene is NULL");
@@ -28,10 +34,15 @@ static void scenes(void) {
     REFUSED(lightoven_scene_create(&desc, &scene), INVALID_SCENE, "mesh 0; the scene has 0");
     desc = scene_desc, desc.material_count = 0;
     REFUSED(lightoven_scene_create(&desc, &scene), INVALID_SCENE, "material");
+    is_null(scene);
+}
 
+static void meshes_are_checked(void) {
+    LightovenScene scene = {0};
     LightovenMeshPart part = floor_part[0];
     LightovenMesh mesh = {sizeof mesh, "floor", &part, 1};
-    desc = scene_desc, desc.meshes = &mesh, desc.mesh_count = 1, desc.instance_count = 1;
+    LightovenSceneDesc desc = scene_desc;
+    desc.meshes = &mesh, desc.mesh_count = 1, desc.instance_count = 1;
     WRONG_SIZES(part, lightoven_scene_create(&desc, &scene));
     WRONG_COUNTS(part.vertex_count, lightoven_scene_create(&desc, &scene), "positions is");
     WRONG_COUNTS(part.index_count, lightoven_scene_create(&desc, &scene), "indices is");
@@ -47,10 +58,15 @@ static void scenes(void) {
     REFUSED(lightoven_scene_create(&desc, &scene), INVALID_SCENE, "'floor'");
     part = floor_part[0], part.index_count = 5;
     REFUSED(lightoven_scene_create(&desc, &scene), INVALID_SCENE, "'floor'");
+    is_null(scene);
+}
 
+static void materials_are_checked(void) {
+    LightovenScene scene = {0};
     LightovenMaterial material = materials[0];
     LightovenTextureUse used = {sizeof used, 0, 0, 9, 0};
-    desc = scene_desc, desc.materials = &material, material.albedo_texture = &used;
+    LightovenSceneDesc desc = scene_desc;
+    desc.materials = &material, material.albedo_texture = &used;
     WRONG_SIZES(used, lightoven_scene_create(&desc, &scene));
     REFUSED(lightoven_scene_create(&desc, &scene), INVALID_ARGUMENT, "wrap is 9");
     used.reserved = 1;
@@ -60,8 +76,17 @@ static void scenes(void) {
     REFUSED(lightoven_scene_create(&desc, &scene), INVALID_ARGUMENT, "'reserved' of material 0 is 1");
     material = materials[0], material.sidedness = 2;
     REFUSED(lightoven_scene_create(&desc, &scene), INVALID_ARGUMENT, "sidedness is 2");
+    material = materials[2], material.albedo[0] = NAN, material.albedo[1] = -1;
+    desc.material_count = 1;
+    REFUSED(lightoven_scene_create(&desc, &scene), INVALID_SCENE, "albedo of material 'square'");
+    is_null(scene);
+}
+
+static void pixels_are_checked(void) {
+    LightovenScene scene = {0};
+    LightovenSceneDesc desc = scene_desc;
     LightovenTexture texture = {sizeof texture, "none", NULL, UINT32_MAX, UINT32_MAX};
-    desc = scene_desc, desc.textures = &texture, desc.texture_count = 1;
+    desc.textures = &texture, desc.texture_count = 1;
     REFUSED(lightoven_scene_create(&desc, &scene), INVALID_ARGUMENT, "pixels of texture 0 is NULL");
     WRONG_SIZES(texture, lightoven_scene_create(&desc, &scene));
     texture.pixels = (const uint8_t *)"";
@@ -76,8 +101,14 @@ static void scenes(void) {
     REFUSED(lightoven_scene_create(&desc, &scene), INVALID_ARGUMENT, "pixels of the sky map is 18446744065119617025");
     sky.kind = 3;
     REFUSED(lightoven_scene_create(&desc, &scene), INVALID_ARGUMENT, "kind of the sky is 3");
+    is_null(scene);
+}
+
+static void lights_and_instances_are_checked(void) {
+    LightovenScene scene = {0};
     LightovenLight light = lights[0];
-    desc = scene_desc, desc.lights = &light, light.kind = 8;
+    LightovenSceneDesc desc = scene_desc;
+    desc.lights = &light, light.kind = 8;
     REFUSED(lightoven_scene_create(&desc, &scene), INVALID_ARGUMENT, "kind of a light is 8");
     WRONG_SIZES(light, lightoven_scene_create(&desc, &scene));
     desc.light_count = 1, light = lights[2], light.direction[0] = HUGE_VALF;
@@ -86,14 +117,15 @@ static void scenes(void) {
     WORKS(lightoven_scene_create(&desc, &scene));
     WORKS(lightoven_scene_destroy(scene));
     scene.id = 0;
-    material = materials[2], material.albedo[0] = NAN, material.albedo[1] = -1;
-    desc = scene_desc, desc.materials = &material, desc.material_count = 1;
-    REFUSED(lightoven_scene_create(&desc, &scene), INVALID_SCENE, "albedo of material 'square'");
     LightovenInstance odd[2] = {instances[0], instances[1]};
     odd[1].struct_size -= 8;
     desc = scene_desc, desc.instances = odd, desc.instance_count = 2;
     REFUSED(lightoven_scene_create(&desc, &scene), INVALID_ARGUMENT, "the size of instance 1");
+    is_null(scene);
+}
 
+static void gltf_is_checked(void) {
+    LightovenScene scene = {0};
     SIZED(LightovenGltf, gltf);
     REFUSED(lightoven_scene_read_gltf(NULL, NULL, &scene), INVALID_ARGUMENT, "path is NULL");
     REFUSED(lightoven_scene_read_gltf("there is none.gltf", NULL, &scene), IO, "there is none.gltf");
@@ -113,10 +145,11 @@ static void scenes(void) {
     const char *outside = "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":4,\"uri\":\"a.bin\"}]}";
     REFUSED(lightoven_scene_read_gltf_memory(outside, strlen(outside), NULL, NULL, NULL, &scene), INVALID_SCENE,
             "'a.bin' names a file");
-    if (scene.id != 0) {
-        fail("a scene", "was written, and failed");
-    }
+    is_null(scene);
+}
 
+static void scenes_are_used(void) {
+    LightovenScene scene = {0};
     WORKS(lightoven_scene_create(&scene_desc, &scene));
     SIZED(LightovenSceneInfo, info);
     REFUSED(lightoven_scene_info(scene, NULL), INVALID_ARGUMENT, "info is NULL");
@@ -138,6 +171,16 @@ static void scenes(void) {
     SIZED(LightovenEstimate, estimate);
     REFUSED(lightoven_estimate_memory(scene, NULL, &estimate), INVALID_ARGUMENT, "was destroyed");
     REFUSED(lightoven_scene_text(scene, 0, 0, name, 4, NULL), INVALID_ARGUMENT, "was destroyed");
+}
+
+static void scenes(void) {
+    lists_of_scenes();
+    meshes_are_checked();
+    materials_are_checked();
+    pixels_are_checked();
+    lights_and_instances_are_checked();
+    gltf_is_checked();
+    scenes_are_used();
 }
 
 #endif

@@ -4,8 +4,9 @@
 
 #include "table.h"
 
-static void settings_are_checked(LightovenGpu gpu, LightovenScene scene) {
-    LightovenBaker baker = {0};
+#include <math.h>
+
+static void settings_and_estimates(LightovenScene scene) {
     const LightovenScene no_scene = {0};
     SIZED(LightovenEstimate, estimate);
     SIZED(LightovenFrameSettings, frames);
@@ -14,15 +15,17 @@ static void settings_are_checked(LightovenGpu gpu, LightovenScene scene) {
     WRONG_SIZES(frames, lightoven_frame_settings_default(&frames));
     REFUSED(lightoven_bake_settings_default(NULL), INVALID_ARGUMENT, "settings is NULL");
     WRONG_SIZES(settings, lightoven_bake_settings_default(&settings));
-    LIGHTOVEN(lightoven_frame_settings_default(&frames));
-    LIGHTOVEN(lightoven_bake_settings_default(&settings));
-    const LightovenFrameSettings good_frames = frames;
-    const LightovenBakeSettings good = settings;
     REFUSED(lightoven_estimate_memory(no_scene, NULL, &estimate), INVALID_ARGUMENT, "scene is the null handle");
     REFUSED(lightoven_estimate_memory(scene, NULL, NULL), INVALID_ARGUMENT, "estimate is NULL");
     WRONG_SIZES(settings, lightoven_estimate_memory(scene, &settings, &estimate));
     WRONG_SIZES(estimate, lightoven_estimate_memory(scene, NULL, &estimate));
+}
 
+static void bakers_are_described(LightovenGpu gpu, LightovenScene scene) {
+    LightovenBaker baker = {0};
+    const LightovenScene no_scene = {0};
+    SIZED(LightovenBakeSettings, settings);
+    LIGHTOVEN(lightoven_bake_settings_default(&settings));
     REFUSED(lightoven_baker_create(gpu, scene, NULL, NULL), INVALID_ARGUMENT, "place is NULL");
     REFUSED(lightoven_baker_create(gpu, no_scene, NULL, &baker), INVALID_ARGUMENT, "scene is the null handle");
     const LightovenGpu no_gpu = {scene.id};
@@ -34,9 +37,31 @@ static void settings_are_checked(LightovenGpu gpu, LightovenScene scene) {
     WRONG_SIZES(settings, lightoven_baker_create(gpu, scene, &settings, &baker));
     settings.reserved = 4;
     REFUSED(lightoven_baker_create(gpu, scene, &settings, &baker), INVALID_ARGUMENT, "'reserved' of the settings is 4");
+    if (baker.id != 0) {
+        fail("lightoven_baker_create", "wrote a handle, and failed");
+    }
+}
+
+/* By the baker, and by what tells of its memory beforehand. */
+#define BOTH_REFUSE(status, words)                                                                                     \
+    REFUSED(lightoven_baker_create(gpu, scene, &settings, &baker), status, words);                                     \
+    REFUSED(lightoven_estimate_memory(scene, &settings, &estimate), status, words)
 #define WITH(member, value, status, words)                                                                             \
     settings = good, settings.member = value;                                                                          \
-    REFUSED(lightoven_baker_create(gpu, scene, &settings, &baker), status, words)
+    BOTH_REFUSE(status, words)
+#define WITHIN(member, value, status, words)                                                                           \
+    frames = good_frames, frames.member = value;                                                                       \
+    BOTH_REFUSE(status, words)
+
+static void ranges(LightovenGpu gpu, LightovenScene scene) {
+    LightovenBaker baker = {0};
+    SIZED(LightovenEstimate, estimate);
+    SIZED(LightovenFrameSettings, frames);
+    SIZED(LightovenBakeSettings, settings);
+    LIGHTOVEN(lightoven_frame_settings_default(&frames));
+    LIGHTOVEN(lightoven_bake_settings_default(&settings));
+    const LightovenFrameSettings good_frames = frames;
+    const LightovenBakeSettings good = settings;
     WITH(resolution, 0, INVALID_SETTINGS, "1 to 16384");
     WITH(resolution, UINT32_MAX, INVALID_SETTINGS, "1 to 16384");
     WITH(texels_per_unit, -1, INVALID_SETTINGS, "texels per unit");
@@ -46,14 +71,13 @@ static void settings_are_checked(LightovenGpu gpu, LightovenScene scene) {
     WITH(aimed_by, 3, INVALID_ARGUMENT, "3; allowed is 0 to 2");
     WITH(error, 3, INVALID_ARGUMENT, "3; allowed is 0 to 2");
     settings = good, settings.sampling = LIGHTOVEN_SAMPLING_MIXTURE, settings.cosine_share = 2;
-    REFUSED(lightoven_baker_create(gpu, scene, &settings, &baker), INVALID_SETTINGS, "mixture is 2");
+    BOTH_REFUSE(INVALID_SETTINGS, "mixture is 2");
+    settings.cosine_share = NAN;
+    BOTH_REFUSE(INVALID_SETTINGS, "mixture is NaN");
     settings = good, settings.frames = &frames, settings.bounces = 2;
-    REFUSED(lightoven_baker_create(gpu, scene, &settings, &baker), INVALID_SETTINGS, "bounces");
+    BOTH_REFUSE(INVALID_SETTINGS, "limited to 2; allowed within frames is no limit");
     settings.bounces = LIGHTOVEN_ALL_BOUNCES;
     WRONG_SIZES(frames, lightoven_baker_create(gpu, scene, &settings, &baker));
-#define WITHIN(member, value, status, words)                                                                           \
-    frames = good_frames, frames.member = value;                                                                       \
-    REFUSED(lightoven_baker_create(gpu, scene, &settings, &baker), status, words)
     WITHIN(decay_threshold, 1, INVALID_SETTINGS, "decay");
     WITHIN(frames_in_flight, 9, INVALID_SETTINGS, "1 to 8");
     WITHIN(clock, 2, INVALID_ARGUMENT, "clock is 2");
@@ -62,6 +86,15 @@ static void settings_are_checked(LightovenGpu gpu, LightovenScene scene) {
     if (baker.id != 0) {
         fail("lightoven_baker_create", "wrote a handle, and failed");
     }
+    if (estimate.most_bytes != 0) {
+        fail("lightoven_estimate_memory", "wrote an estimate, and failed");
+    }
+}
+
+static void settings_are_checked(LightovenGpu gpu, LightovenScene scene) {
+    settings_and_estimates(scene);
+    bakers_are_described(gpu, scene);
+    ranges(gpu, scene);
 }
 
 #endif
