@@ -1266,7 +1266,7 @@ LightovenStatus lightoven_baker_warning(struct LightovenBaker baker,
                                         size_t capacity,
                                         size_t *length);
 
-// Gives what a baker does without, in words, such as "no sky": UTF-8, ended by a NUL, cut short where `capacity` is too small
+// Gives what a baker does without, in words, such as "no analytic lights": UTF-8, ended by a NUL, cut short where `capacity` is too small
 // for all of it. `index`: below `LightovenStatistics::left_out_count`. `bytes`: set to about what that saves of device memory, 0
 // where it saves time alone, or NULL; the other parameters are those of `lightoven_scene_text`, but for
 // `buffer` and `length`, which may both be NULL where `bytes` is not.
