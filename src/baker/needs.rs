@@ -15,20 +15,8 @@ const STANDS_ON: [(Features, Features); 4] = [
 
 impl Features {
     /// Those that may be switched on without being needed.
-    pub const LEFT_OUT_AT_WILL: Self = Self::INSTANCES
-        .union(Self::SINGLE_SIDED)
-        .union(Self::UNMAPPED)
-        .union(Self::SKY_MAP)
-        .union(Self::LIGHTS)
-        .union(Self::ALBEDO_TEXTURES)
-        .union(Self::EMISSION_TEXTURES)
-        .union(Self::IMPORTANCE)
-        .union(Self::SHARED_TEXELS)
-        .union(Self::CLUSTERS)
-        .union(Self::VISIBILITY)
-        .union(Self::LINKS)
-        .union(Self::HALVES)
-        .union(Self::GATHERING);
+    pub const LEFT_OUT_AT_WILL: Self =
+        Self::INSTANCES.union(Self::SINGLE_SIDED).union(Self::LIGHTS).union(Self::GATHERING).union(Self::OF_RAYS);
 
     /// What a bake of `scene` with these settings needs, and what they switch on beside it. [`Features::SHARED_TEXELS`] is
     /// found out when texels are looked at, and [`Features::LINKS`] given up where there is no room.

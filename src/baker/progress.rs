@@ -149,7 +149,8 @@ pub struct Statistics {
     pub sampling: SamplingStatistics,
     /// Root of relMSE as the half buffers tell it; `None` before there are two halves, 0 where no rays are sent.
     pub estimated_error: Option<f32>,
-    /// Bound on what further bounces would add, relative to the mean radiance; infinite before two bounces are done.
+    /// Bound on what further bounces would add, relative to the mean radiance; infinite before two bounces are
+    /// done; 0 before a bake has begun, and within frames.
     pub bounces_missing: f32,
     /// Wall time by what it went into.
     pub seconds: Seconds,

@@ -66,6 +66,12 @@ fn what_cannot_be_measured_fails() {
     let found = run(["variance", &scene].iter().chain(&SMALL));
     assert_eq!(found.code, Some(1), "{found:?}");
     assert!(found.stderr.contains("quad.gltf") && found.stderr.contains("is lit"), "{found:?}");
+    let dark = folder.write("dark.gltf", r#"{"asset":{"version":"2.0"}}"#);
+    for command in ["variance", "converge"] {
+        let found = run([command, &dark, "--resolution", "32"]);
+        assert_eq!(found.code, Some(1), "{found:?}");
+        assert_says(&found.stderr, &["'dark'", "no noise to measure"]);
+    }
     let found = run(["variance", &scene, "--report", &scene]);
     assert_eq!(found.code, Some(2), "{found:?}");
     assert!(found.stderr.contains("same file as the scene"), "{found:?}");

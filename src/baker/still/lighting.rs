@@ -44,7 +44,7 @@ impl Still {
         };
         let (alone, mut ended) = (self.passes.gathering.is_none(), None);
         // Up to 40 shadow rays a light; four of five lights do not reach a texel's few.
-        let rays = 8 * core.push.light_count;
+        let rays = 8 * core.push.light_count.max(1);
         while let Some(Unit { texels, .. }) = lighting.sweep.next(&lighting.pace, rays, 1) {
             let (started, end, push) = (Instant::now(), texels.end, &core.push);
             let count = u64::from(texels.end - texels.start) * u64::from(rays);

@@ -2,9 +2,10 @@
 
 use crate::arguments::{SceneArguments, SkyArgument};
 use crate::paths::Named;
+use lightoven::baker::Baker;
 use lightoven::io::{exr, gltf};
 use lightoven::scene::{Atlas, Scene, Sky};
-use lightoven::{Error, Result};
+use lightoven::{Error, ErrorKind, Features, Result};
 use std::path::{Path, PathBuf};
 
 /// Reads a glTF file and gives it the sky that was asked for.
@@ -38,4 +39,16 @@ pub(crate) fn layout_warning(atlas: &Atlas) -> Option<String> {
     let text =
         "texels of the light map are covered more than once: charts overlap, and such a texel has the light of one";
     (count > 0).then(|| format!("{count} {text}"))
+}
+
+/// For who measures noise.
+///
+/// # Errors
+/// `InvalidScene` where no ray can find light.
+pub(crate) fn check_has_noise(baker: &Baker, scene: &Scene) -> Result<()> {
+    if baker.features().contains(Features::GATHERING) {
+        return Ok(());
+    }
+    let context = format!("'{}' has no light that rays could find: there is no noise to measure", scene.name());
+    Err(Error::new(ErrorKind::InvalidScene, context))
 }

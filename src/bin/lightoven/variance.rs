@@ -141,6 +141,7 @@ impl Bench<'_> {
             ..BakeSettings::default()
         };
         let mut baker = Baker::new(self.gpu, self.scene, &settings)?;
+        load::check_has_noise(&baker, self.scene)?;
         // Said once, however often it is traced.
         load::layout_warning(baker.atlas()).iter().for_each(|warning| tracing::warn!("{warning}"));
         let stop = Stop { samples: Some(task.samples), ..Stop::default() };

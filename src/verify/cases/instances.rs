@@ -21,6 +21,8 @@ pub(super) const CASES: [Case; 6] = [
 const SUN: Vec3 = Vec3::new(-0.3, 0.5, -0.8);
 /// A normal in two snorm16 is off by at most about half a code in each coordinate of the octahedron.
 const OCTAHEDRAL: f64 = 4e-5;
+/// What surfaces shine, so that rays are sent: areas are told by them. Far below what the sun's light is rounded by.
+const FAINT: f32 = 1e-20;
 /// How the charts lie: whole texels, nothing beside them.
 const INSET: f32 = 0.01;
 
@@ -47,7 +49,7 @@ fn other() -> Quad {
 /// The plates in the sun, beside another instance or alone.
 fn placed(matrix: DMat3, company: Company) -> Stage {
     let mut stage = Stage::new();
-    stage.material(0.0, 0.0);
+    stage.material(0.0, FAINT);
     stage.light(LightKind::Directional { direction: SUN });
     stage.place(&plates(), DAffine3 { matrix3: matrix, translation: DVec3::new(5.0, -3.0, 1.0) });
     if let Company::Another = company {
@@ -113,7 +115,7 @@ fn mirrored_and_alone(gpu: &Gpu, checks: &mut Checks) -> Result<()> {
 fn singular(gpu: &Gpu, checks: &mut Checks) -> Result<()> {
     let how = How::new(64, Bounces::Auto);
     let mut alone = Stage::new();
-    alone.material(0.0, 0.0);
+    alone.material(0.0, FAINT);
     alone.light(LightKind::Directional { direction: SUN });
     alone.place(&[other()], DAffine3::from_translation(DVec3::new(-1e3, 0.0, 0.0)));
     let wanted = bake(gpu, &alone.build()?, how, 0)?.0;

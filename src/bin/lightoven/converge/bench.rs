@@ -187,6 +187,7 @@ impl<'a> Bench<'a> {
         let (resolution, bounces) = (self.arguments.how.resolution(), self.arguments.bounces);
         let settings = BakeSettings { resolution, bounces, sampling, aimed_by, seed, ..BakeSettings::default() };
         let baker = Baker::new(gpu, self.scene, &settings)?;
+        load::check_has_noise(&baker, self.scene)?;
         // Said once, however often it is traced.
         load::layout_warning(baker.atlas()).iter().for_each(|warning| tracing::warn!("{warning}"));
         Ok(baker)
